@@ -1,0 +1,5 @@
+//! The `alabaster` command.
+
+fn main() -> std::process::ExitCode {
+    alabaster::cli::main()
+}

@@ -1,0 +1,10 @@
+//! Mathematics without physics: frames, warps, robust floating point, discrete and tabulated
+//! distributions, the seeded low-discrepancy sample stream.
+
+pub mod frame;
+pub mod robust;
+pub mod sampler;
+pub mod warp;
+
+pub use frame::Frame;
+pub use sampler::SampleStream;

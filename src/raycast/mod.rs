@@ -1,0 +1,134 @@
+//! Ray queries: closest hit, occlusion, and every hit on a segment.
+//!
+//! Backends stand behind [`RayCaster`]. Geometry is triangles only ([`Geometry`]); shapes are
+//! triangulated when the scene is read, so every backend sees the same triangles.
+
+#[cfg(feature = "embree")]
+pub mod embree;
+
+use glam::{Affine3A, Vec3};
+use thiserror::Error;
+
+/// A ray or, with finite `t_max`, a segment: points `origin + t·direction` with t in (0, `t_max`].
+/// `direction` need not have unit length; t counts in its lengths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Start; already moved off the surface it left (see [`crate::math::robust::offset_from_surface`]).
+    pub origin: Vec3,
+    /// Direction, not zero.
+    pub direction: Vec3,
+    /// End of the segment; infinite for a ray.
+    pub t_max: f32,
+}
+
+impl Ray {
+    /// The ray without end.
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        Self { origin, direction, t_max: f32::INFINITY }
+    }
+
+    /// The segment from `origin` towards `target`, stopping short of it by one part in 10⁴ (the
+    /// point at `target` is known only to rounding, so the last stretch cannot be asked for).
+    pub fn segment(origin: Vec3, target: Vec3) -> Self {
+        Self { origin, direction: target - origin, t_max: 1.0 - 1e-4 }
+    }
+
+    /// The point at parameter `t`.
+    pub fn at(&self, t: f32) -> Vec3 {
+        self.origin + self.direction * t
+    }
+}
+
+/// Where a ray meets a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Ray parameter.
+    pub t: f32,
+    /// Barycentric coordinate of the triangle's second vertex.
+    pub u: f32,
+    /// Barycentric coordinate of the triangle's third vertex.
+    pub v: f32,
+    /// Index into [`Geometry::instances`].
+    pub instance: u32,
+    /// Index of the triangle in its mesh.
+    pub primitive: u32,
+}
+
+/// Triangles in their own space.
+#[derive(Clone, Copy, Debug)]
+pub struct TriangleMesh<'a> {
+    /// Vertex positions.
+    pub positions: &'a [Vec3],
+    /// Vertex indices of each triangle, all within `positions`.
+    pub triangles: &'a [[u32; 3]],
+}
+
+/// A mesh placed in the world.
+#[derive(Clone, Copy, Debug)]
+pub struct MeshInstance {
+    /// Index into [`Geometry::meshes`].
+    pub mesh: usize,
+    /// Object to world; any invertible affine map, mirrored ones included.
+    pub transform: Affine3A,
+    /// True if [`RayCaster::all_hits`] will be asked about this instance.
+    pub probed: bool,
+}
+
+/// What a backend is built from.
+#[derive(Clone, Copy, Debug)]
+pub struct Geometry<'a> {
+    /// The meshes.
+    pub meshes: &'a [TriangleMesh<'a>],
+    /// Their placements; may be empty.
+    pub instances: &'a [MeshInstance],
+}
+
+/// Why a backend could not be built.
+#[derive(Debug, Error)]
+pub enum RaycastError {
+    /// The ray tracing library reported an error.
+    #[error("{library}: {message}")]
+    Library {
+        /// Name of the library.
+        library: &'static str,
+        /// Its message.
+        message: String,
+    },
+    /// The installed library is not the one the program was built for.
+    #[error(
+        "Embree {loaded} is installed, but this program was built for Embree {built}; rebuild it (cargo clean -p embree4-sys && cargo build --release)"
+    )]
+    Version {
+        /// Version of the headers at build time.
+        built: String,
+        /// Version of the loaded library.
+        loaded: String,
+    },
+    /// More triangles or vertices than the index type holds.
+    #[error("mesh {mesh} has {count} {what}; the limit is {limit}")]
+    TooLarge {
+        /// Index of the mesh.
+        mesh: usize,
+        /// "vertices" or "triangles".
+        what: &'static str,
+        /// How many it has.
+        count: usize,
+        /// How many are possible.
+        limit: usize,
+    },
+}
+
+/// Answers ray queries about a fixed scene, from any thread, without allocation.
+pub trait RayCaster: Send + Sync {
+    /// The nearest hit with t in (0, `t_max`].
+    fn closest(&self, ray: &Ray) -> Option<Hit>;
+
+    /// True if anything lies on the ray within (0, `t_max`].
+    fn occluded(&self, ray: &Ray) -> bool;
+
+    /// Replaces the content of `hits` by every crossing of the segment with the triangles of one
+    /// instance, each once, in no particular order. `ray.t_max` must be finite; the instance must
+    /// have been marked [`MeshInstance::probed`]. A crossing through an edge shared by two
+    /// triangles may be reported once for each of them.
+    fn all_hits(&self, ray: &Ray, instance: u32, hits: &mut Vec<Hit>);
+}

@@ -1,0 +1,138 @@
+//! Materials as the scene gives them: constants and textures, not yet resolved at a point.
+
+use super::texture::{ColorInput, ScalarInput};
+use crate::radiometry::Rgb;
+
+/// A material.
+#[derive(Clone, Debug, Default)]
+pub struct Material {
+    /// Name for people.
+    pub name: String,
+    /// What the surface does with light.
+    pub surface: Surface,
+    /// Emitted radiance, W/(m² sr), from the front (and, if double sided, the back).
+    pub emission: ColorInput,
+    /// Tangent-space normal map: texture index and scale of its x and y.
+    pub normal_map: Option<(usize, f32)>,
+    /// Where the surface is there at all.
+    pub coverage: Coverage,
+    /// glTF `doubleSided`: emission and opaque reflection act on both sides. Boundaries of media
+    /// always act on both.
+    pub double_sided: bool,
+}
+
+/// Where a surface is there at all (glTF alphaMode).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Coverage {
+    /// Everywhere.
+    #[default]
+    Full,
+    /// Where the alpha of the base colour reaches `cutoff`.
+    Mask {
+        /// Alpha of the base colour.
+        alpha: ScalarInput,
+        /// Threshold.
+        cutoff: f32,
+    },
+    /// With the probability given by the alpha of the base colour.
+    Blend {
+        /// Alpha of the base colour.
+        alpha: ScalarInput,
+    },
+}
+
+/// What a surface does with light.
+#[derive(Clone, Debug)]
+pub enum Surface {
+    /// Lambert.
+    Diffuse {
+        /// Diffuse reflectance in [0, 1].
+        reflectance: ColorInput,
+    },
+    /// A conductor under GGX microfacets, Fresnel by Schlick from normal-incidence reflectance.
+    Metal {
+        /// Reflectance at normal incidence.
+        reflectance: ColorInput,
+        /// Perceptual roughness; GGX α = roughness².
+        roughness: ScalarInput,
+    },
+    /// glTF metallic-roughness with its transmission extensions.
+    MetallicRoughness(Box<MetallicRoughness>),
+    /// A clear or absorbing dielectric body.
+    Dielectric {
+        /// Index of refraction.
+        ior: f32,
+        /// Abbe number; `None`: no dispersion.
+        abbe: Option<f32>,
+        /// Perceptual roughness; GGX α = roughness².
+        roughness: ScalarInput,
+        /// Absorption coefficient inside, 1/m.
+        sigma_a: Rgb,
+        /// Factor on every transmission.
+        tint: ColorInput,
+    },
+    /// A dielectric body that scatters inside.
+    Translucent {
+        /// Index of refraction.
+        ior: f32,
+        /// Perceptual roughness of the boundary; GGX α = roughness².
+        roughness: f32,
+        /// What is inside.
+        medium: ScatteringInput,
+    },
+}
+
+impl Default for Surface {
+    fn default() -> Self {
+        Self::Diffuse { reflectance: ColorInput::constant(Rgb::splat(0.5)) }
+    }
+}
+
+/// glTF 2.0 metallic-roughness (appendix B of the specification) with KHR_materials_transmission,
+/// _ior, _volume without scattering, _diffuse_transmission.
+#[derive(Clone, Debug)]
+pub struct MetallicRoughness {
+    /// Base colour.
+    pub base_color: ColorInput,
+    /// Metalness in [0, 1].
+    pub metallic: ScalarInput,
+    /// Perceptual roughness; GGX α = roughness².
+    pub roughness: ScalarInput,
+    /// Index of refraction of the dielectric part.
+    pub ior: f32,
+    /// Share of the dielectric base that transmits specularly.
+    pub transmission: ScalarInput,
+    /// Share of the dielectric base that transmits diffusely.
+    pub diffuse_transmission: ScalarInput,
+    /// Colour of diffuse transmission.
+    pub diffuse_transmission_color: ColorInput,
+    /// True if the surface is a thin wall: transmitted light goes straight on.
+    pub thin: bool,
+    /// Absorption coefficient inside, 1/m, where not thin.
+    pub sigma_a: Rgb,
+    /// Abbe number; `None`: no dispersion.
+    pub abbe: Option<f32>,
+}
+
+/// What scatters inside a translucent body.
+#[derive(Clone, Debug)]
+pub enum ScatteringInput {
+    /// Physical coefficients.
+    Coefficients {
+        /// Absorption coefficient, 1/m.
+        sigma_a: Rgb,
+        /// Scattering coefficient, 1/m (not reduced).
+        sigma_s: Rgb,
+        /// Mean cosine of the Henyey–Greenstein phase function.
+        g: f32,
+    },
+    /// What an artist knows: the wanted reflectance.
+    Albedo {
+        /// Reflectance of a thick flat body for the light that has entered it, in [0, 1].
+        albedo: ColorInput,
+        /// 1/σ_t, m.
+        mean_free_path: Rgb,
+        /// Mean cosine of the Henyey–Greenstein phase function.
+        g: f32,
+    },
+}
