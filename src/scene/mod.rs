@@ -4,6 +4,7 @@
 //! metres, angles radians, powers turned into radiance or intensity. Nothing here traces rays.
 
 pub mod camera;
+pub mod error;
 pub mod light;
 pub mod material;
 pub mod mesh;
@@ -11,6 +12,7 @@ pub mod settings;
 pub mod texture;
 
 pub use camera::Camera;
+pub use error::SceneError;
 pub use light::{Environment, Light};
 pub use material::{Material, ScatteringInput, Surface};
 pub use mesh::{Instance, Mesh};
