@@ -1,1 +1,7 @@
-//! TODO
+//! What is inside a translucent body: coefficients, similarity, and the albedo of a thick flat piece of it.
+
+pub mod coefficients;
+pub mod halfspace;
+
+pub use coefficients::Medium;
+pub use halfspace::PlanarAlbedo;
