@@ -2,6 +2,8 @@
 //! distributions, the seeded low-discrepancy sample stream.
 
 pub mod frame;
+pub mod monotone_cubic;
+pub mod quadrature;
 pub mod robust;
 pub mod sampler;
 pub mod warp;
