@@ -2,7 +2,9 @@
 //! distributions, the seeded low-discrepancy sample stream.
 
 pub mod frame;
-pub mod distribution;
+pub mod monotone_cubic;
+pub mod quadrature;
+pub mod robust;
 pub mod quadrature;
 pub mod robust;
 pub mod sampler;

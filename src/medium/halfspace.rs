@@ -5,7 +5,7 @@
 //! surface is lit alike from all sides. It is the number by which a separable BSSRDF
 //! S = (1 − F_o) R(r) S_w must scale its profile, ∫R dA = albedo, to be right on a plane.
 
-use crate::math::quadrature::gauss_legendre;
+use crate::math::quadrature::GaussLegendre;
 use crate::optics::fresnel::fresnel_dielectric;
 
 /// Nodes on each side of the critical angle.
@@ -24,7 +24,7 @@ impl Directions {
     fn new(eta: f64) -> Self {
         let critical = (1.0 - 1.0 / (eta * eta)).max(0.0).sqrt();
         let mut directions = Self { mu: Vec::new(), weight: Vec::new(), reflectance: Vec::new() };
-        for (x, w) in gauss_legendre(NODES) {
+        for &(x, w) in GaussLegendre::new(NODES).nodes() {
             if critical > 0.0 {
                 directions.push(critical * x, critical * w, eta);
             }

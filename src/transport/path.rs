@@ -274,7 +274,8 @@ impl<'a, C: RayCaster> Path<'a, C> {
         let world = &self.renderer.world;
         let around = self.interiors.ior_around(surface.instance);
         let bsdf = resolve_bsdf(world.scene(), material, surface, around);
-        let two_sided = world.interior(surface.instance).is_none() && !bsdf.transmits();
+        // Only the boundary of a body knows inside from outside.
+        let two_sided = world.interior(surface.instance).is_none();
         let mut orientation = Orientation::new(world.scene(), material, surface, wo, two_sided);
         let frame = Frame::from_normal(orientation.shading);
         let local_wo = frame.to_local(wo);
@@ -288,13 +289,13 @@ impl<'a, C: RayCaster> Path<'a, C> {
             });
         }
         let [lobe, u, v, _] = self.stream.quad(self.set(place::SCATTER));
-        let mut sample = bsdf.sample(local_wo, [lobe, u, v])?;
+        let mut sample = bsdf.sample(local_wo, [u, v, lobe])?;
         let mut direction = frame.to_world(sample.direction);
         if !orientation.agree(direction) && sample.delta {
             // The interpolated normal sends light through the wrong side: use the triangle's own.
             orientation.shading = orientation.geometric;
             let frame = Frame::from_normal(orientation.geometric);
-            sample = bsdf.sample(frame.to_local(wo), [lobe, u, v])?;
+            sample = bsdf.sample(frame.to_local(wo), [u, v, lobe])?;
             direction = frame.to_world(sample.direction);
         }
         if !orientation.agree(direction) {
@@ -304,7 +305,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
         self.throughput *= sample.weight;
         self.scattered_from = (!sample.delta)
             .then_some(Origin { position: surface.position, density: sample.density });
-        if sample.enters {
+        if sample.crosses_boundary {
             let interior = world.interior(surface.instance);
             match interior {
                 Some(interior) if wo.dot(surface.geometric_normal) > 0.0 => self.interiors.enter(interior),

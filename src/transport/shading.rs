@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec4Swizzles};
 
 use super::world::SurfacePoint;
-use crate::optics::Bsdf;
+use crate::optics::{Bsdf, Dielectric, Metal, MetallicRoughness};
 use crate::radiometry::Rgb;
 use crate::scene::material::Coverage;
 use crate::scene::{Light, Scene, Surface};
@@ -96,14 +96,14 @@ pub fn resolve_bsdf(scene: &Scene, material: usize, surface: &SurfacePoint, ior_
     match &scene.materials[material].surface {
         Surface::Diffuse { reflectance: input } => Bsdf::Diffuse { reflectance: reflectance(input) },
         Surface::Metal { reflectance: input, roughness } => {
-            Bsdf::Metal { reflectance_normal: reflectance(input), alpha: share(roughness).powi(2) }
+            Bsdf::Metal(Metal { reflectance_normal: reflectance(input), alpha: share(roughness).powi(2) })
         }
-        Surface::Dielectric { ior, roughness, tint, .. } => Bsdf::Dielectric {
+        Surface::Dielectric { ior, roughness, tint, .. } => Bsdf::Dielectric(Dielectric {
             eta: ior / ior_around,
             alpha: share(roughness).powi(2),
             tint: reflectance(tint),
-        },
-        Surface::MetallicRoughness(m) => Bsdf::MetallicRoughness {
+        }),
+        Surface::MetallicRoughness(m) => Bsdf::MetallicRoughness(MetallicRoughness {
             base_color: reflectance(&m.base_color),
             metallic: share(&m.metallic),
             alpha: share(&m.roughness).powi(2),
@@ -112,7 +112,7 @@ pub fn resolve_bsdf(scene: &Scene, material: usize, surface: &SurfacePoint, ior_
             diffuse_transmission: share(&m.diffuse_transmission),
             diffuse_transmission_color: reflectance(&m.diffuse_transmission_color),
             thin: m.thin,
-        },
+        }),
         // Translucent surfaces act through the area integral.
         Surface::Translucent { .. } => Bsdf::Diffuse { reflectance: Rgb::ZERO },
     }
