@@ -1,10 +1,9 @@
 //! Mathematics without physics: frames, warps, robust floating point, discrete and tabulated
 //! distributions, the seeded low-discrepancy sample stream.
 
+pub mod distribution;
 pub mod frame;
 pub mod monotone_cubic;
-pub mod quadrature;
-pub mod robust;
 pub mod quadrature;
 pub mod robust;
 pub mod sampler;

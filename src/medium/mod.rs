@@ -1,7 +1,9 @@
-//! What is inside a translucent body: coefficients, similarity, and the albedo of a thick flat piece of it.
+//! What is inside a translucent body: coefficients, measured materials, similarity, and the albedo of a
+//! thick flat piece of it.
 
 pub mod coefficients;
 pub mod halfspace;
+pub mod presets;
 
 pub use coefficients::Medium;
 pub use halfspace::PlanarAlbedo;
