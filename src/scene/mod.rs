@@ -9,6 +9,7 @@ pub mod error;
 pub mod filter;
 pub mod gltf;
 pub mod light;
+mod lookup;
 pub mod material;
 pub mod mesh;
 pub mod settings;

@@ -38,7 +38,7 @@ use super::counters::ProbeCounters;
 use crate::diffusion::{NormalizedDiffusion, Profile};
 use crate::math::sampler::HashGenerator;
 use crate::math::{Frame, SampleStream};
-use crate::radiometry::Rgb;
+use crate::radiometry::{Rgb, Spectrum};
 use crate::raycast::{Hit, Ray, RayCaster};
 
 /// Share τ of the density on the disk below which crossings are included by chance only.
@@ -239,7 +239,7 @@ impl<C: RayCaster, N: Fn(&Hit) -> Vec3> AreaIntegral<'_, C, N> {
         let mut counters = ProbeCounters::default();
         for axis in 0..3 {
             self.probe(&axes, axis, &line, &mut hits, &mut crossings, &mut counters);
-            let uncut = Rgb(self.spread.within);
+            let uncut = Spectrum(self.spread.within);
             found.extend(crossings.iter().map(|c| Crossing { weight: c.weight * uncut, ..*c }));
         }
     }

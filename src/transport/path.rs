@@ -236,7 +236,8 @@ impl<'a, C: RayCaster> Path<'a, C> {
             return;
         }
         let origin = leave(surface, light.direction);
-        self.radiance += contribution * self.transmittance(origin, light.direction, light.distance);
+        let arrives = self.transmittance(origin, light.direction, light.distance);
+        self.radiance += contribution * arrives;
     }
 
     /// Share of light that arrives unscattered over `distance`.

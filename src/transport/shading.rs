@@ -61,7 +61,7 @@ fn mapped_normal(scene: &Scene, material: usize, surface: &SurfacePoint) -> Vec3
         return normal;
     }
     let bitangent = normal.cross(tangent) * surface.tangent.w;
-    let texel = scene.texel(texture, surface.texture_coordinates);
+    let texel = scene.texture(texture, surface.texture_coordinates);
     let [x, y, z] = [0, 1, 2].map(|c| 2.0 * texel[c] - 1.0);
     let mapped = (tangent * (x * scale) + bitangent * (y * scale) + normal * z).normalize_or(normal);
     if mapped.dot(surface.geometric_normal) > 0.0 { mapped } else { normal }
