@@ -1,13 +1,14 @@
 //! The boundary of a scattering body as the area integral sees it: light from outside is reflected
 //! or *enters*, and what has scattered inside leaves through the same boundary.
 
-use std::f32::consts::PI;
+use std::f32::consts::{PI, TAU};
 
 use glam::Vec3;
 
 use super::albedo::{CosineTable, directional_albedo};
 use super::fresnel::{fresnel_dielectric, fresnel_moment};
 use super::microfacet::{Ggx, is_smooth};
+use crate::math::distribution::Discrete;
 
 /// A dielectric boundary, smooth or GGX-rough, lit from outside.
 ///
@@ -21,6 +22,8 @@ pub struct Boundary {
     eta: f32,
     rough: Option<Rough>,
     mean_transmittance: f32,
+    /// The exit lobe over bins of μ², in which a cosine lobe is uniform.
+    exit: Discrete,
 }
 
 #[derive(Clone, Debug)]
@@ -44,19 +47,34 @@ pub struct ReflectionSample {
 /// Nodes of E over √μ.
 const NODES: usize = 64;
 
+/// Bins of the table that draws from the exit lobe.
+const EXIT_BINS: usize = 64;
+
 impl Boundary {
     /// The boundary with relative index `eta` = n_inside / n_outside and GGX width `alpha`. A rough
     /// boundary tabulates E here (a few milliseconds): make one per material, not per hit.
     pub fn new(eta: f32, alpha: f32) -> Self {
         if is_smooth(alpha) {
             let mean_transmittance = (1.0 - 2.0 * fresnel_moment(f64::from(eta), 1)) as f32;
-            return Self { eta, rough: None, mean_transmittance };
+            return Self { eta, rough: None, mean_transmittance, exit: Discrete::default() }.with_exit();
         }
         let ggx = Ggx { alpha };
         let fresnel = |cos: f32| [f64::from(fresnel_dielectric(cos, eta).reflectance)];
         let transmittance = CosineTable::new(NODES, |mu| 1.0 - directional_albedo(&ggx, mu, fresnel)[0]);
         let mean_transmittance = transmittance.hemispherical_mean() as f32;
-        Self { eta, rough: Some(Rough { ggx, transmittance }), mean_transmittance }
+        let rough = Some(Rough { ggx, transmittance });
+        Self { eta, rough, mean_transmittance, exit: Discrete::default() }.with_exit()
+    }
+
+    fn with_exit(mut self) -> Self {
+        // A floor, so that no direction the lobe reaches lies in a bin that is never drawn.
+        let weight = |bin: usize| {
+            let edge = |i: usize| self.transmittance((i as f32 / EXIT_BINS as f32).sqrt());
+            let middle = self.transmittance(((bin as f32 + 0.5) / EXIT_BINS as f32).sqrt());
+            (edge(bin) + 2.0 * middle + edge(bin + 1)).max(1e-3)
+        };
+        self.exit = Discrete::new((0..EXIT_BINS).map(weight));
+        self
     }
 
     /// Relative index of refraction, n_inside / n_outside.
@@ -98,6 +116,24 @@ impl Boundary {
             return 0.0;
         }
         self.transmittance(mu) / (self.mean_transmittance * PI)
+    }
+
+    /// Draws a direction almost in proportion to S_w cosθ; see [`Self::exit_density`].
+    pub fn sample_exit(&self, u: [f32; 2]) -> Vec3 {
+        let (bin, _, within) = self.exit.sample(u[0]).unwrap_or((0, 1.0, u[0]));
+        let cos2 = (bin as f32 + within) / EXIT_BINS as f32;
+        let (sin_phi, cos_phi) = (TAU * u[1]).sin_cos();
+        let sin = (1.0 - cos2).max(0.0).sqrt();
+        Vec3::new(sin * cos_phi, sin * sin_phi, cos2.sqrt())
+    }
+
+    /// Density of [`Self::sample_exit`] per solid angle at cosine `mu`.
+    pub fn exit_density(&self, mu: f32) -> f32 {
+        if mu <= 0.0 {
+            return 0.0;
+        }
+        let bin = ((mu * mu * EXIT_BINS as f32) as usize).min(EXIT_BINS - 1);
+        self.exit.probability(bin) * EXIT_BINS as f32 * mu / PI
     }
 
     /// Reflection of light from `wi` to `wo`, times cos_i, 1/sr; 0 for a smooth boundary.

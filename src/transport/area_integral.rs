@@ -25,9 +25,10 @@
 //! concave corners, where the same energy is counted on several sheets; a path that visits such places again
 //! and again would gain without bound. Here every line of the disk carries just the energy it has on
 //! the plane, R_c(r_a)/R̄(r_a): where a probe crosses several sheets they share it in proportion to w_c, and where
-//! it crosses none, the next axis and then a new line is asked. So the total weight of x_i has the expectation
-//! 1 in every channel on every body, its mean over the channels is always exactly 1, and no channel's weight
-//! exceeds the number of channels.
+//! it crosses none, the next axis and then a new line is asked. So the weight of x_i has the expectation 1 in
+//! every channel on every body. Channels are drawn, and R̄ is the mean of the densities, in proportion
+//! to the light they carry; so the light carried by all channels together is exactly the same after as before,
+//! and no weight can exceed the inverse of its channel's share.
 
 use std::cell::RefCell;
 use std::f32::consts::TAU;
@@ -75,13 +76,14 @@ impl Spread {
         }
     }
 
-    /// R_c(r)/∫R_c within the diameter, for each channel of `channels`.
+    /// R_c(r)/∫R_c within the diameter, for each channel that carries light.
     fn densities(&self, radius: f32, channels: Channels) -> Rgb {
         if self.gray {
-            return channels.mask * (self.profiles[0].density(radius) / self.within[0]);
+            return Rgb::splat(self.profiles[0].density(radius) / self.within[0]);
         }
-        Rgb::from_fn(|c| {
-            if channels.mask[c] == 0.0 { 0.0 } else { self.profiles[c].density(radius) / self.within[c] }
+        Rgb::from_fn(|c| match channels.probability[c] {
+            0.0 => 0.0,
+            _ => self.profiles[c].density(radius) / self.within[c],
         })
     }
 
@@ -97,42 +99,41 @@ impl Spread {
     }
 }
 
-/// The channels that still carry light.
+/// How much of the light each channel carries: the probability with which its profile is drawn from.
+///
+/// By that choice the light carried in all channels together is the same after the area integral as
+/// before, whichever point is drawn, however often a path repeats it; only its colour varies.
 #[derive(Clone, Copy, Debug)]
 pub struct Channels {
-    /// 1 for a channel in use, 0 for another.
-    mask: Rgb,
-    count: f32,
+    probability: Rgb,
 }
 
 impl Channels {
-    /// The channels in which `throughput` is not zero; all of them if there is none.
+    /// In proportion to `throughput`; alike if there is none.
     pub fn of(throughput: Rgb) -> Self {
-        let mask = throughput.map(|t| if t > 0.0 { 1.0 } else { 0.0 });
-        let count = mask.0.iter().sum();
-        if count == 0.0 { Self { mask: Rgb::ONE, count: 3.0 } } else { Self { mask, count } }
+        let sum: f32 = throughput.0.iter().sum();
+        let probability =
+            if sum > 0.0 && sum.is_finite() { throughput / sum } else { Rgb::splat(1.0 / 3.0) };
+        Self { probability }
     }
 
-    /// Mean over the channels in use.
+    /// Mean over the channels by what they carry.
     fn mean(&self, values: Rgb) -> f32 {
-        (values * self.mask).0.iter().sum::<f32>() / self.count
+        (values * self.probability).0.iter().sum()
     }
 
-    /// Draws a channel with probability in proportion to `weights`, whose mean over the channels is 1.
+    /// Draws a channel in proportion to what it carries times `weights`, whose mean is 1.
     fn draw(&self, weights: Rgb, u: f32) -> usize {
-        let mut rest = u * self.count;
-        let mut last = 0;
+        let shares = self.probability * weights;
+        let mut rest = u;
         for c in 0..3 {
-            if self.mask[c] == 0.0 {
-                continue;
-            }
-            last = c;
-            rest -= weights[c];
+            rest -= shares[c];
             if rest < 0.0 {
-                break;
+                return c;
             }
         }
-        last
+        // By rounding only: the largest.
+        (0..3).max_by(|&a, &b| shares[a].total_cmp(&shares[b])).unwrap_or(0)
     }
 }
 
@@ -141,7 +142,7 @@ impl Channels {
 pub struct EntryPoint {
     /// The crossing; `None`: at x_o itself.
     pub hit: Option<Hit>,
-    /// Weight per channel; expectation 1, at most the number of channels.
+    /// Weight per channel; expectation 1, mean over the channels by what they carry always 1.
     pub weight: Rgb,
 }
 
@@ -168,7 +169,7 @@ pub struct AreaIntegral<'a, C, N> {
     pub instance: u32,
     /// Profiles.
     pub spread: &'a Spread,
-    /// Channels that carry light.
+    /// What the channels carry.
     pub channels: Channels,
     /// x_o.
     pub position: Vec3,
@@ -198,7 +199,7 @@ impl<C: RayCaster, N: Fn(&Hit) -> Vec3> AreaIntegral<'_, C, N> {
                 Line { radius: self.spread.sample_radius(hero, radius), angle: TAU * angle, cut: 1.0 - cut };
             let densities = self.spread.densities(line.radius, self.channels);
             let mean = self.channels.mean(densities);
-            // The energy per channel that this line carries on the plane; its mean is 1.
+            // The energy per channel that this line carries on the plane.
             let budget = if mean > 0.0 && mean.is_finite() { densities / mean } else { Rgb::ONE };
             if self.below_resolution(hero) {
                 return EntryPoint { hit: None, weight: budget };

@@ -1,7 +1,5 @@
 //! The path tracer: one path from the camera, with direct light at every vertex.
 
-use std::f32::consts::PI;
-
 use glam::Vec3;
 
 use super::area_integral::{AreaIntegral, Channels, EntryPoint};
@@ -12,7 +10,7 @@ use super::scatterer::Scattering;
 use super::shading::{Orientation, emitted, is_covered, resolve_bsdf};
 use super::world::{Substance, SurfacePoint};
 use crate::math::robust::offset_from_surface;
-use crate::math::{Frame, SampleStream, warp};
+use crate::math::{Frame, SampleStream};
 use crate::optics::Boundary;
 use crate::radiometry::Rgb;
 use crate::raycast::{Ray, RayCaster};
@@ -324,32 +322,29 @@ impl<'a, C: RayCaster> Path<'a, C> {
         let boundary = scattering.boundary;
         let frame = Frame::from_normal(orientation.shading);
         let local_wo = frame.to_local(wo);
-        let reflectance = boundary.reflectance(local_wo.z);
         if !boundary.is_smooth() {
             self.add_direct(place::LIGHT, surface, |wi| {
                 if wi.dot(orientation.geometric) <= 0.0 {
                     return Response { value: Rgb::ZERO, density: 0.0 };
                 }
-                let local = frame.to_local(wi);
-                Response {
-                    value: Rgb::splat(boundary.evaluate_reflection(local_wo, local)),
-                    density: reflectance * boundary.reflection_density(local_wo, local),
-                }
+                let value = boundary.evaluate_reflection(local_wo, frame.to_local(wi));
+                Response { value: Rgb::splat(value), density: value }
             });
         }
+        // A reflection is drawn and kept with its weight as probability, so that the share E is
+        // reflected and 1 − E enters, both with weight 1, and the density of a direction kept is the lobe's value.
         let [lobe, u, v, _] = self.stream.quad(self.set(place::SCATTER));
-        if lobe >= reflectance {
+        let Some(sample) = boundary.sample_reflection(local_wo, [u, v]).filter(|s| lobe < s.weight) else {
             return self.scatter_below(material, surface, &orientation, &scattering);
-        }
-        let sample = boundary.sample_reflection(local_wo, [u, v])?;
+        };
         let mut direction = frame.to_world(sample.direction);
-        if direction.dot(orientation.geometric) <= 0.0 {
+        let height = direction.dot(orientation.geometric);
+        if height <= 0.0 {
             // Below the surface by the interpolated normal only: mirror it up, losing nothing.
-            direction -= orientation.geometric * (2.0 * direction.dot(orientation.geometric));
+            direction -= orientation.geometric * (2.0 * height);
         }
-        self.throughput *= sample.weight / reflectance;
         self.scattered_from = (!boundary.is_smooth())
-            .then_some(Origin { position: surface.position, density: reflectance * sample.density });
+            .then_some(Origin { position: surface.position, density: sample.density * sample.weight });
         Some(Next { origin: leave(surface, direction), direction })
     }
 
@@ -415,8 +410,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
         let respond = |wi: Vec3| entry_response(boundary, orientation, wi);
         self.add_direct(place::ENTRY_LIGHT, point, respond);
         let [u, v, _, _] = self.stream.quad(self.set(place::ENTRY));
-        let mut direction =
-            Frame::from_normal(orientation.shading).to_world(warp::square_to_cosine_hemisphere(u, v));
+        let mut direction = Frame::from_normal(orientation.shading).to_world(boundary.sample_exit([u, v]));
         let height = direction.dot(orientation.geometric);
         if height < 0.0 {
             direction -= orientation.geometric * (2.0 * height);
@@ -428,7 +422,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
     }
 }
 
-/// The lobe S_w cosθ around the shading normal, and the cosine density that samples it. What
+/// The lobe S_w cosθ around the shading normal, and the density that samples it. What
 /// of it lies below the triangle's plane is folded up through the plane, so that it keeps its integral.
 fn entry_response(boundary: &Boundary, orientation: &Orientation, wi: Vec3) -> Response {
     let height = wi.dot(orientation.geometric);
@@ -440,7 +434,7 @@ fn entry_response(boundary: &Boundary, orientation: &Orientation, wi: Vec3) -> R
     for cos in [wi.dot(orientation.shading), below.dot(orientation.shading)] {
         if cos > 0.0 {
             value += boundary.exit_lobe(cos) * cos;
-            density += cos / PI;
+            density += boundary.exit_density(cos);
         }
     }
     Response { value: Rgb::splat(value), density }
