@@ -8,6 +8,7 @@ pub mod error;
 pub mod light;
 pub mod material;
 pub mod mesh;
+pub mod read;
 pub mod settings;
 pub mod texture;
 
