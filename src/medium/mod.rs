@@ -1,1 +1,3 @@
-//! TODO
+//! Media: coefficients and measured materials.
+
+pub mod presets;

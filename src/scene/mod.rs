@@ -4,12 +4,16 @@
 //! metres, angles radians, powers turned into radiance or intensity. Nothing here traces rays.
 
 pub mod camera;
+pub mod environment;
 pub mod error;
+pub mod filter;
+pub mod gltf;
 pub mod light;
 pub mod material;
 pub mod mesh;
 pub mod read;
 pub mod settings;
+pub mod shape;
 pub mod texture;
 
 pub use camera::Camera;
@@ -17,7 +21,9 @@ pub use error::SceneError;
 pub use light::{Environment, Light};
 pub use material::{Material, ScatteringInput, Surface};
 pub use mesh::{Instance, Mesh};
-pub use settings::{FilmSettings, Filter, Method, ProfileChoice, RenderSettings, SubsurfaceSettings};
+pub use settings::{
+    ColorMode, FilmSettings, Filter, Method, ProfileChoice, RenderSettings, SubsurfaceSettings,
+};
 pub use texture::{ColorInput, Image, ScalarInput, Texture};
 
 /// A scene: everything that a picture depends on.
