@@ -1,12 +1,10 @@
 //! Stand-in for the integrator, to be replaced at the merge: seeded noise over a gradient.
 
-use std::marker::PhantomData;
-
 use thiserror::Error;
 
 use crate::math::sampler::SampleStream;
 use crate::radiometry::Rgb;
-use crate::raycast::{RayCaster, RaycastError};
+use crate::raycast::{Geometry, RayCaster, RaycastError};
 use crate::scene::{Method, ProfileChoice, Scene};
 
 /// What the renderer is told besides the scene.
@@ -28,9 +26,16 @@ pub enum RenderError {
     /// The ray casting backend failed.
     #[error(transparent)]
     Raycast(#[from] RaycastError),
-    /// The scene asks for what is not there.
-    #[error("{0}")]
-    Unsupported(String),
+    /// The option is known but not available.
+    #[error("{option} \"{value}\" is not available in this version; available: {available}")]
+    Unavailable {
+        /// Name of the option.
+        option: &'static str,
+        /// Value asked for.
+        value: String,
+        /// What could be asked for instead.
+        available: &'static str,
+    },
 }
 
 /// Probe rays by outcome.
@@ -49,8 +54,6 @@ pub struct ProbeCounters {
 /// What happened while sampling.
 #[derive(Clone, Debug, Default)]
 pub struct Counters {
-    /// Non-finite terms that were left out before a sample was returned.
-    pub nonfinite: u64,
     /// Samples rejected.
     pub rejected: u64,
     /// Paths cut at the depth limit.
@@ -62,7 +65,6 @@ pub struct Counters {
 impl Counters {
     /// Adds `other`.
     pub fn merge(&mut self, other: &Self) {
-        self.nonfinite += other.nonfinite;
         self.rejected += other.rejected;
         self.capped_paths += other.capped_paths;
         self.probes.cast += other.probes.cast;
@@ -73,21 +75,38 @@ impl Counters {
 }
 
 /// Takes samples of pixels.
-pub struct Renderer<C: RayCaster> {
+pub struct Renderer<C> {
     scene: Scene,
     options: RenderOptions,
-    caster: PhantomData<C>,
+    caster: C,
 }
 
 impl<C: RayCaster> Renderer<C> {
     /// A renderer of `scene`.
-    pub fn new(scene: Scene, options: RenderOptions) -> Result<Self, RenderError> {
-        Ok(Self { scene, options, caster: PhantomData })
+    pub fn new(
+        scene: Scene,
+        options: RenderOptions,
+        build: impl FnOnce(&Geometry) -> Result<C, RaycastError>,
+    ) -> Result<Self, RenderError> {
+        if options.method == Method::Walk {
+            return Err(RenderError::Unavailable {
+                option: "method",
+                value: "walk".into(),
+                available: "auto, bssrdf, diffuse",
+            });
+        }
+        let caster = build(&Geometry { meshes: &[], instances: &[] })?;
+        Ok(Self { scene, options, caster })
     }
 
     /// The scene.
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// The ray caster.
+    pub fn caster(&self) -> &C {
+        &self.caster
     }
 
     /// Radiance of one sample of one pixel.
