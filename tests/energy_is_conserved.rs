@@ -5,7 +5,7 @@ mod common;
 
 use alabaster::scene::shape;
 use alabaster::transport::Counters;
-use common::{Statistics, body, furnace, l_shape, renderer, two_slabs};
+use common::scenes::{Statistics, body, furnace, l_shape, renderer, two_slabs};
 use glam::Vec3;
 
 const SAMPLES: u64 = 16;

@@ -17,8 +17,7 @@ pub const SMOOTH_ALPHA: f32 = 1e-3;
 
 /// True if a surface of GGX width `alpha` (= roughness²) is treated as a mirror (delta lobe).
 pub fn is_smooth(alpha: f32) -> bool {
-    // NaN counts as smooth.
-    !(alpha >= SMOOTH_ALPHA)
+    alpha.is_nan() || alpha < SMOOTH_ALPHA
 }
 
 /// A GGX microfacet surface.
