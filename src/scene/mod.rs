@@ -5,7 +5,9 @@
 
 pub mod camera;
 pub mod error;
+pub mod gltf;
 pub mod light;
+mod lookup;
 pub mod material;
 pub mod mesh;
 pub mod settings;
@@ -13,6 +15,7 @@ pub mod texture;
 
 pub use camera::Camera;
 pub use error::SceneError;
+pub use gltf::{GltfScene, read_gltf};
 pub use light::{Environment, Light};
 pub use material::{Material, ScatteringInput, Surface};
 pub use mesh::{Instance, Mesh};
