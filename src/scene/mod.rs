@@ -21,6 +21,7 @@ mod toml;
 
 pub use camera::Camera;
 pub use error::SceneError;
+pub use gltf::{GltfScene, read_gltf};
 pub use light::{Environment, Light};
 pub use material::{Material, ScatteringInput, Surface};
 pub use mesh::{Instance, Mesh};

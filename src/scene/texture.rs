@@ -1,6 +1,6 @@
 //! Images, textures, and inputs that are a constant or textured.
 
-use glam::{Affine2, Vec2};
+use glam::Affine2;
 
 use crate::radiometry::Rgb;
 
