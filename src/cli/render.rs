@@ -196,6 +196,7 @@ fn render<C: RayCaster>(
     let settings = renderer.scene().film;
     let mut film = Film::new(settings.width, settings.height)?;
     let mut counters = Counters::default();
+    tracing::info!("rendering {} × {} pixels", film.width(), film.height());
     let progress = Progress::start(limits, film.pixel_count(), quiet);
     let mut status = Status { samples: 0, seconds: 0.0, relative_error: f64::INFINITY };
     while let Some(pass) = limits.next_pass(&status) {
