@@ -93,10 +93,3 @@ impl ScalarInput {
         Self { factor, texture: None, vertex_alpha: false }
     }
 }
-
-impl Texture {
-    /// Texture coordinates after this texture's own transform.
-    pub fn coordinates(&self, uv: Vec2) -> Vec2 {
-        self.transform.transform_point2(uv)
-    }
-}

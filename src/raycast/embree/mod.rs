@@ -117,7 +117,8 @@ fn single(device: &Device, shape: &Shape, filtered: bool) -> Result<Scene, Rayca
 
 impl RayCaster for EmbreeCaster {
     fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let mut query = rtc::RTCRayHit { ray: to_embree(ray), hit: NO_HIT };
+        let (ray, t_scale) = to_embree(ray);
+        let mut query = rtc::RTCRayHit { ray, hit: NO_HIT };
         // SAFETY: the scene is committed; the query lives on this stack frame; null arguments are the
         // default ones.
         unsafe { rtc::rtcIntersect1(self.world.handle(), &mut query, ptr::null_mut()) };
@@ -127,11 +128,11 @@ impl RayCaster for EmbreeCaster {
         }
         // Of an instanced hit, `geomID` counts within the instance's own scene.
         let instance = if hit.instID[0] == rtc::RTC_INVALID_GEOMETRY_ID { hit.geomID } else { hit.instID[0] };
-        Some(Hit { t: ray.tfar, u: hit.u, v: hit.v, instance, primitive: hit.primID })
+        Some(Hit { t: ray.tfar * t_scale, u: hit.u, v: hit.v, instance, primitive: hit.primID })
     }
 
     fn occluded(&self, ray: &Ray) -> bool {
-        let mut query = to_embree(ray);
+        let (mut query, _) = to_embree(ray);
         // SAFETY: as in `closest`.
         unsafe { rtc::rtcOccluded1(self.world.handle(), &mut query, ptr::null_mut()) };
         // The library marks an occluded ray by an end of minus infinity.
@@ -167,19 +168,33 @@ const NO_CONTEXT: rtc::RTCRayQueryContext = {
     context
 };
 
-fn to_embree(ray: &Ray) -> rtc::RTCRay {
-    rtc::RTCRay {
+/// The ray in Embree's terms, and by how much to multiply Embree's ray parameters to get ours.
+///
+/// Embree drops the barycentric coordinates (sets them to zero) where twice the area of the triangle times
+/// the length of the direction is below 10⁻¹⁸: with the short directions of segments, that happens to
+/// micrometre-sized triangles. So the direction is scaled by a power of two, which is exact, to have its
+/// largest component in [1, 2).
+fn to_embree(ray: &Ray) -> (rtc::RTCRay, f32) {
+    const EXPONENT: u32 = 0x7f80_0000;
+    const ONE: u32 = 1.0_f32.to_bits();
+    const LEAST: u32 = f32::MIN_POSITIVE.to_bits();
+    let bits = ray.direction.abs().max_element().to_bits() & EXPONENT;
+    // Left alone where the power or its reciprocal is not a normal number: zero, infinity, NaN.
+    let bits = if (LEAST..=2 * ONE - LEAST).contains(&bits) { bits } else { ONE };
+    let (scale, inverse) = (f32::from_bits(bits), f32::from_bits(2 * ONE - bits));
+    let query = rtc::RTCRay {
         org_x: ray.origin.x,
         org_y: ray.origin.y,
         org_z: ray.origin.z,
         tnear: 0.0,
-        dir_x: ray.direction.x,
-        dir_y: ray.direction.y,
-        dir_z: ray.direction.z,
+        dir_x: ray.direction.x * inverse,
+        dir_y: ray.direction.y * inverse,
+        dir_z: ray.direction.z * inverse,
         time: 0.0,
-        tfar: ray.t_max,
+        tfar: ray.t_max * scale,
         mask: u32::MAX,
         id: 0,
         flags: 0,
-    }
+    };
+    (query, inverse)
 }

@@ -21,14 +21,16 @@ struct Context {
     library: rtc::RTCRayQueryContext,
     hits: *mut Vec<Hit>,
     instance: u32,
+    /// From the parameter of Embree's ray to that of ours.
+    t_scale: f32,
 }
 
 /// Replaces the content of `hits` by the crossings of `ray` with `scene`, one for each triangle crossed,
 /// in ascending order of triangles: the same order whatever the hierarchy looks like.
 pub(super) fn all_hits(scene: &Scene, ray: &Ray, instance: u32, hits: &mut Vec<Hit>) {
     hits.clear();
-    let mut context = Context { library: NO_CONTEXT, hits: ptr::from_mut(hits), instance };
-    let mut query = to_embree(ray);
+    let (mut query, t_scale) = to_embree(ray);
+    let mut context = Context { library: NO_CONTEXT, hits: ptr::from_mut(hits), instance, t_scale };
     // SAFETY: plain C data, for which all zeros is the state of "nothing set".
     let mut arguments: rtc::RTCOccludedArguments = unsafe { mem::zeroed() };
     arguments.flags = rtc::RTCRayQueryFlags::RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER;
@@ -67,7 +69,7 @@ unsafe extern "C" fn record_and_reject(arguments: *const rtc::RTCFilterFunctionN
         let ray = arguments.ray.cast::<rtc::RTCRay>();
         let hit = arguments.hit.cast::<rtc::RTCHit>();
         (*(*context).hits).push(Hit {
-            t: (&raw const (*ray).tfar).read_unaligned(),
+            t: (&raw const (*ray).tfar).read_unaligned() * (*context).t_scale,
             u: (&raw const (*hit).u).read_unaligned(),
             v: (&raw const (*hit).v).read_unaligned(),
             instance: (*context).instance,
