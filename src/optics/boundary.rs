@@ -66,8 +66,9 @@ impl Boundary {
         let ggx = Ggx { alpha };
         let fresnel = |cos: f32| [f64::from(fresnel_dielectric(cos, eta).reflectance)];
         let critical = safe_sqrt((1.0 - eta) * (1.0 + eta));
-        let transmittance =
-            CosineTable::new(NODES, critical, |mu| 1.0 - directional_albedo(&ggx, mu, fresnel)[0]);
+        let [transmittance] = CosineTable::tabulate(NODES, critical, |mu| {
+            directional_albedo(&ggx, mu, fresnel).map(|reflected| 1.0 - reflected)
+        });
         let mean_transmittance = transmittance.hemispherical_mean() as f32;
         let rough = Some(Rough { ggx, transmittance });
         Self { eta, rough, mean_transmittance, exit: Discrete::default() }.with_exit()
