@@ -90,7 +90,7 @@ impl<'a> Reader<'a> {
         if !document.ignored_extensions.is_empty() {
             warnings.add(
                 format!(
-                    "extensions without effect on the picture: {}",
+                    "extensions that are not supported are ignored: {}",
                     document.ignored_extensions.join(", ")
                 ),
                 "/extensionsUsed",
