@@ -13,3 +13,5 @@ mod geometry;
 mod materials;
 #[path = "gltf_reader/nodes.rs"]
 mod nodes;
+#[path = "gltf_reader/odd_values.rs"]
+mod odd_values;

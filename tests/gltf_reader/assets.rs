@@ -40,7 +40,10 @@ fn scenes(folder: &Path) -> Vec<PathBuf> {
 fn read_in_time(path: &Path) -> Result<GltfScene, SceneError> {
     let (sender, receiver) = mpsc::channel();
     let owned = path.to_path_buf();
-    std::thread::spawn(move || sender.send(read_gltf(&owned)));
+    std::thread::spawn(move || {
+        // Nobody listens any more only if the test has failed by then.
+        let _ = sender.send(read_gltf(&owned));
+    });
     receiver
         .recv_timeout(Duration::from_secs(10))
         .unwrap_or_else(|error| panic!("{}: {error}: hung or panicked", path.display()))
@@ -83,8 +86,10 @@ fn khronos_samples_are_read() {
         let read = read.unwrap_or_else(|error| panic!("{error}"));
         let count = match name.as_str() {
             "BoxInterleaved.glb" | "SimpleSparseAccessor.gltf" => 12,
-            "GlassHurricaneCandleHolder.glb" => (5082 + 7296) / 3,
-            _ => triangles(&read),
+            "AttenuationTest.glb" => 232,
+            "GlassHurricaneCandleHolder.glb" => 4_126,
+            "TransmissionTest.glb" => 128_775,
+            other => panic!("{other}: how many triangles should it have?"),
         };
         assert_eq!(triangles(&read), count, "{name}");
         let camera = name == "TransmissionTest.glb";

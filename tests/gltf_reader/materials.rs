@@ -150,7 +150,6 @@ fn image_kinds_and_depths() {
     assert_eq!(read.scene.images[0].texel(1, 0, false), [1.0 / 65535.0, 2.0 / 65535.0, 1.0, 1.0]);
 
     let picture = image::RgbaImage::from_pixel(3, 2, image::Rgba([10, 20, 30, 40]));
-    builder.folder.path().join("a b.webp");
     picture.save(builder.folder.path().join("a b.webp")).unwrap();
     builder.json["images"] = json!([{ "uri": "a%20b.webp" }]);
     builder.json["textures"] = json!([{ "extensions": { "EXT_texture_webp": { "source": 0 } } }]);

@@ -36,9 +36,11 @@ const SUPPORTED_EXTENSIONS: &[&str] = &[
 /// Longest file that is read, bytes: four times what a GLB can hold.
 const MAX_FILE_LENGTH: u64 = 1 << 34;
 
-/// Most accessor elements that are decoded in all. Accessors without a buffer view, and many
-/// accessors of one view, hold more elements than the file has bytes.
-const ELEMENT_BUDGET: usize = 1 << 27;
+/// Accessor elements that may be decoded whatever the file holds, and for each of its bytes besides.
+/// Accessors without a buffer view, and many accessors of one view, ask for more elements than there
+/// are bytes: a small file must not claim all memory.
+const FREE_ELEMENTS: usize = 1 << 24;
+const ELEMENTS_PER_BYTE: usize = 16;
 
 /// A glTF document with its buffers, typed but not yet followed.
 pub(super) struct Document {
@@ -96,6 +98,9 @@ impl Document {
             _ => PathBuf::from("."),
         };
         let buffers = source.buffers(&folder, chunk)?;
+        // A buffer that several entries share counts once.
+        let bytes: usize = buffers.iter().map(|buffer| buffer.len() / Arc::strong_count(buffer)).sum();
+        let elements = bytes.saturating_mul(ELEMENTS_PER_BYTE).saturating_add(FREE_ELEMENTS);
         let declared = source.strings("extensionsUsed")?;
         let required = source.strings("extensionsRequired")?;
         let is_supported = |name: &str| SUPPORTED_EXTENSIONS.contains(&name);
@@ -123,7 +128,7 @@ impl Document {
                     source.root.get(*name).is_some_and(|v| v.as_array().is_some_and(|a| !a.is_empty()))
                 })
                 .collect(),
-            elements_left: Cell::new(ELEMENT_BUDGET),
+            elements_left: Cell::new(elements),
         })
     }
 
@@ -158,7 +163,7 @@ impl Document {
         let Some(value) = extensions.and_then(|map| map.get(name)) else { return Ok(None) };
         T::deserialize(value)
             .map(Some)
-            .map_err(|error| self.error(format!("{place}/extensions/{name}"), error.to_string()))
+            .map_err(|error| self.error(format!("{place}/extensions/{name}"), wrong_json(&error)))
     }
 
     /// Takes `count` elements from what may still be decoded.
@@ -170,10 +175,15 @@ impl Document {
             }
             None => Err(self.error(
                 place,
-                format!("the scene asks for more than {ELEMENT_BUDGET} vertices and indices; split it or reduce `count`"),
+                "the accessors ask for far more elements than the buffers hold; reduce `count` or split the scene",
             )),
         }
     }
+}
+
+/// A value of the wrong type, or a missing one.
+fn wrong_json(error: &serde_json::Error) -> String {
+    format!("{error}; mend the JSON or export it again")
 }
 
 /// The JSON text and the binary chunk of a GLB file; any other file is JSON text.
@@ -267,7 +277,7 @@ impl Source<'_> {
     /// The value at the top-level key `name`, if there.
     fn value<T: DeserializeOwned>(&self, name: &str) -> Result<Option<T>, SceneError> {
         let Some(value) = self.root.get(name) else { return Ok(None) };
-        T::deserialize(value).map(Some).map_err(|error| self.error(format!("/{name}"), error.to_string()))
+        T::deserialize(value).map(Some).map_err(|error| self.error(format!("/{name}"), wrong_json(&error)))
     }
 
     fn strings(&self, name: &str) -> Result<Vec<String>, SceneError> {
@@ -285,7 +295,7 @@ impl Source<'_> {
     fn array<T: DeserializeOwned>(&self, value: &Value, place: &str) -> Result<Vec<T>, SceneError> {
         let items = value.as_array().ok_or_else(|| self.error(place, "must be an array"))?;
         let element = |(index, item): (usize, &Value)| {
-            T::deserialize(item).map_err(|error| self.error(format!("{place}/{index}"), error.to_string()))
+            T::deserialize(item).map_err(|error| self.error(format!("{place}/{index}"), wrong_json(&error)))
         };
         items.iter().enumerate().map(element).collect()
     }
@@ -296,34 +306,32 @@ impl Source<'_> {
             None => Ok(Vec::new()),
             Some(value) => Lights::deserialize(value)
                 .map(|lights| lights.lights)
-                .map_err(|error| self.error(place, error.to_string())),
+                .map_err(|error| self.error(place, wrong_json(&error))),
         }
     }
 
-    /// Every buffer, cut to its `byteLength`. A file named by several buffers is read once.
+    /// Every buffer, at least `byteLength` long. A file named by several buffers is read once.
     fn buffers(&self, folder: &Path, chunk: Option<&[u8]>) -> Result<Vec<Arc<Vec<u8>>>, SceneError> {
         let buffers: Vec<json::Buffer> = self.section("buffers")?;
-        let mut read: HashMap<(String, u64), Arc<Vec<u8>>> = HashMap::new();
+        let mut read: HashMap<String, Arc<Vec<u8>>> = HashMap::new();
+        let mut left = MAX_FILE_LENGTH;
         let mut contents = Vec::with_capacity(buffers.len());
         for (index, buffer) in buffers.into_iter().enumerate() {
             let place = format!("/buffers/{index}");
-            let length = buffer.byte_length.0;
-            let bytes = match buffer.uri {
-                Some(uri) => {
-                    let key = (uri, length);
-                    match read.get(&key) {
-                        Some(bytes) => Arc::clone(bytes),
-                        None => {
-                            let bytes = read_uri(folder, &key.0, length.min(MAX_FILE_LENGTH))
-                                .map_err(|problem| self.error(format!("{place}/uri"), problem))?;
-                            let bytes = Arc::new(bytes);
-                            read.insert(key, Arc::clone(&bytes));
-                            bytes
-                        }
-                    }
+            let known = buffer.uri.as_ref().and_then(|uri| read.get(uri)).map(Arc::clone);
+            let bytes = match (known, buffer.uri) {
+                (Some(bytes), _) => bytes,
+                (None, None) => Arc::new(self.binary_chunk(index, chunk, &place)?),
+                (None, Some(uri)) => {
+                    let bytes = read_uri(folder, &uri, left)
+                        .map_err(|problem| self.error(format!("{place}/uri"), problem))?;
+                    left = left.saturating_sub(bytes.len() as u64);
+                    let bytes = Arc::new(bytes);
+                    read.insert(uri, Arc::clone(&bytes));
+                    bytes
                 }
-                None => Arc::new(self.binary_chunk(index, chunk, &place)?),
             };
+            let length = buffer.byte_length.0;
             if (bytes.len() as u64) < length {
                 return Err(self.error(
                     place,

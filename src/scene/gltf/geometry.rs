@@ -46,7 +46,6 @@ impl Attributes {
 /// A mesh that grows by primitives of one material and one set of attributes.
 struct Part {
     material: Option<usize>,
-    presence: [bool; 5],
     mesh: Mesh,
     /// First vertex of attributes already appended: primitives often share them.
     bases: HashMap<Attributes, (u32, usize)>,
@@ -70,7 +69,7 @@ impl Reader<'_> {
             let key = (material, attributes.presence());
             let part = *places.entry(key).or_insert_with(|| {
                 let mesh = Mesh { name: name.clone(), ..Mesh::default() };
-                parts.push(Part { material, presence: key.1, mesh, bases: HashMap::new() });
+                parts.push(Part { material, mesh, bases: HashMap::new() });
                 parts.len() - 1
             });
             self.append(&mut parts[part], primitive, attributes, &place)?;
@@ -119,7 +118,7 @@ impl Reader<'_> {
             Some(&known) => known,
             None => {
                 let base = part.mesh.positions.len() as u32;
-                let count = self.append_vertices(&mut part.mesh, part.presence, &attributes, place)?;
+                let count = self.append_vertices(&mut part.mesh, &attributes, place)?;
                 part.bases.insert(attributes, (base, count));
                 (base, count)
             }
@@ -149,7 +148,6 @@ impl Reader<'_> {
     fn append_vertices(
         &self,
         mesh: &mut Mesh,
-        presence: [bool; 5],
         attributes: &Attributes,
         place: &str,
     ) -> Result<usize, SceneError> {
@@ -192,7 +190,9 @@ impl Reader<'_> {
             check(colors.len(), "COLOR_0")?;
             mesh.colors.extend(colors);
         }
-        debug_assert_eq!(presence, attributes.presence());
+        if u32::try_from(mesh.positions.len()).is_err() {
+            return Err(self.document.error(place, "a mesh of 2³² vertices or more; split it"));
+        }
         Ok(count)
     }
 

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use ::gltf::json;
 use ::gltf::json::texture::{MagFilter, WrappingMode};
 use ::gltf::json::validation::Checked;
-use ::image::{DynamicImage, ImageFormat, ImageReader, Limits};
+use ::image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use glam::{Affine2, Mat2, Vec2};
 use serde_json::{Map, Value};
 
@@ -176,18 +176,20 @@ impl Reader<'_> {
         limits.max_image_height = Some(MAX_IMAGE_SIZE);
         limits.max_alloc = Some(8 * self.pixels_left);
         reader.limits(limits);
-        let decoded = reader
-            .decode()
-            .map_err(|error| refuse(format!("the image cannot be decoded: {error}; save it again")))?;
-        let count = u64::from(decoded.width()) * u64::from(decoded.height());
+        let cannot = |error| refuse(format!("the image cannot be decoded: {error}; save it again"));
+        let decoder = reader.into_decoder().map_err(cannot)?;
+        let (width, height) = decoder.dimensions();
+        let count = u64::from(width) * u64::from(height);
         if count == 0 {
             return Err(refuse(String::from("the image has no pixels; save it again")));
         }
-        self.pixels_left = self.pixels_left.checked_sub(count).ok_or_else(|| {
-            refuse(format!(
+        let Some(left) = self.pixels_left.checked_sub(count) else {
+            return Err(refuse(format!(
                 "the images of the scene have more than {PIXEL_BUDGET} pixels together; scale them down"
-            ))
-        })?;
+            )));
+        };
+        let decoded = DynamicImage::from_decoder(decoder).map_err(cannot)?;
+        self.pixels_left = left;
         Ok(decoded)
     }
 

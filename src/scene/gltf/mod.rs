@@ -12,7 +12,7 @@
 //! | `accessor` | numbers out of buffers: strided, sparse, normalised |
 //! | `geometry` | primitives to triangle meshes |
 //! | `nodes` | the node hierarchy to placed instances |
-//! | `material`, `volume`, `extensions` | materials, and what is inside them |
+//! | `material`, `translucent`, `volume`, `extensions` | materials, and what is inside them |
 //! | `image` | textures, samplers, pictures |
 //! | `light`, `camera` | `KHR_lights_punctual` and cameras |
 
@@ -25,11 +25,12 @@ mod image;
 mod light;
 mod material;
 mod nodes;
+mod translucent;
 mod uri;
 mod volume;
 mod warnings;
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 use self::document::Document;
@@ -75,7 +76,7 @@ struct Reader<'a> {
     camera: Option<Camera>,
     warnings: Warnings,
     /// Parts of each glTF mesh: (mesh, material) by index in the scene.
-    meshes: HashMap<usize, Vec<(usize, usize)>>,
+    meshes: BTreeMap<usize, Vec<(usize, usize)>>,
     materials: HashMap<Option<usize>, usize>,
     textures: HashMap<TextureKey, usize>,
     images: HashMap<usize, usize>,
@@ -89,7 +90,7 @@ impl<'a> Reader<'a> {
         if !document.ignored_extensions.is_empty() {
             warnings.add(
                 format!(
-                    "extensions without effect on the picture: {}",
+                    "extensions that are not supported are ignored: {}",
                     document.ignored_extensions.join(", ")
                 ),
                 "/extensionsUsed",
@@ -103,7 +104,7 @@ impl<'a> Reader<'a> {
             scene: Scene { title: title.unwrap_or_default(), ..Scene::default() },
             camera: None,
             warnings,
-            meshes: HashMap::new(),
+            meshes: BTreeMap::new(),
             materials: HashMap::new(),
             textures: HashMap::new(),
             images: HashMap::new(),
@@ -113,17 +114,16 @@ impl<'a> Reader<'a> {
 
     fn finish(mut self) -> Result<GltfScene, SceneError> {
         self.warn_of_missing_coordinates();
-        self.scene.warnings = self.warnings.into_lines(&self.document.file);
+        let warnings = self.warnings.lines();
         if self.scene.instances.is_empty() {
-            let mut problem = String::from(
-                "there is nothing to render: no node of the scene has a mesh with triangles; export the objects together with their nodes",
-            );
-            for warning in &self.scene.warnings {
-                problem.push_str("\n  note: ");
-                problem.push_str(warning);
-            }
-            return Err(self.document.error("/scenes", problem));
+            let notes: String = warnings.iter().map(|line| format!(" (note: {line})")).collect();
+            return Err(self.document.error(
+                "/scenes",
+                format!("there is nothing to render: no node of the scene has a mesh with triangles{notes}; export the objects together with their nodes"),
+            ));
         }
+        let file = self.document.file.display();
+        self.scene.warnings = warnings.into_iter().map(|line| format!("{file}: {line}")).collect();
         let emits = |&(_, material): &(usize, usize)| {
             self.scene.materials.get(material).is_some_and(|m| !m.emission.factor.is_black())
         };

@@ -1,7 +1,5 @@
 //! Warnings of the reader: each kind once, with its first place and how often it occurred.
 
-use std::path::Path;
-
 #[derive(Debug, Default)]
 pub(super) struct Warnings {
     entries: Vec<Entry>,
@@ -29,11 +27,12 @@ impl Warnings {
         }
     }
 
-    pub fn into_lines(self, file: &Path) -> Vec<String> {
-        let line = |entry: Entry| {
+    /// One line for each kind, without the file.
+    pub fn lines(&self) -> Vec<String> {
+        let line = |entry: &Entry| {
             let times = if entry.count > 1 { format!(" ({} times)", entry.count) } else { String::new() };
-            format!("{}: {}: {}{times}", file.display(), entry.first_place, entry.text)
+            format!("{}: {}{times}", entry.first_place, entry.text)
         };
-        self.entries.into_iter().map(line).collect()
+        self.entries.iter().map(line).collect()
     }
 }
