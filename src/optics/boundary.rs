@@ -8,6 +8,7 @@ use glam::Vec3;
 use super::albedo::{CosineTable, directional_albedo};
 use super::fresnel::{fresnel_dielectric, fresnel_moment};
 use super::microfacet::{Ggx, is_smooth};
+use crate::math::robust::safe_sqrt;
 
 /// A dielectric boundary, smooth or GGX-rough, lit from outside.
 ///
@@ -41,12 +42,16 @@ pub struct ReflectionSample {
     pub density: f32,
 }
 
-/// Nodes of E over √μ.
+/// Nodes of E over μ.
 const NODES: usize = 64;
 
 impl Boundary {
     /// The boundary with relative index `eta` = n_inside / n_outside and GGX width `alpha`. A rough
-    /// boundary tabulates E here (a few milliseconds): make one per material, not per hit.
+    /// boundary tabulates E here (about 10 ms): make one per material, not per hit.
+    ///
+    /// The table is within 5e-4 of E for `eta` ≥ 1 (2e-3 below `alpha` = 0.005). Where light is totally
+    /// reflected from outside (`eta` < 1) E has a kink and the table is within 5e-3 (5e-2 below
+    /// `alpha` = 0.005).
     pub fn new(eta: f32, alpha: f32) -> Self {
         if is_smooth(alpha) {
             let mean_transmittance = (1.0 - 2.0 * fresnel_moment(f64::from(eta), 1)) as f32;
@@ -54,7 +59,9 @@ impl Boundary {
         }
         let ggx = Ggx { alpha };
         let fresnel = |cos: f32| [f64::from(fresnel_dielectric(cos, eta).reflectance)];
-        let transmittance = CosineTable::new(NODES, |mu| 1.0 - directional_albedo(&ggx, mu, fresnel)[0]);
+        let critical = safe_sqrt((1.0 - eta) * (1.0 + eta));
+        let [transmittance] =
+            CosineTable::tabulate(NODES, critical, |mu| [1.0 - directional_albedo(&ggx, mu, fresnel)[0]]);
         let mean_transmittance = transmittance.hemispherical_mean() as f32;
         Self { eta, rough: Some(Rough { ggx, transmittance }), mean_transmittance }
     }

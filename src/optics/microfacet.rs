@@ -17,14 +17,13 @@ pub const SMOOTH_ALPHA: f32 = 1e-3;
 
 /// True if a surface of GGX width `alpha` (= roughness²) is treated as a mirror (delta lobe).
 pub fn is_smooth(alpha: f32) -> bool {
-    // NaN counts as smooth.
-    !(alpha >= SMOOTH_ALPHA)
+    alpha.is_nan() || alpha < SMOOTH_ALPHA
 }
 
 /// A GGX microfacet surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ggx {
-    /// Width: the root-mean-square-like slope scale; roughness² in glTF.
+    /// Width of the distribution of slopes; roughness² in glTF.
     pub alpha: f32,
 }
 
