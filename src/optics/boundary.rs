@@ -55,34 +55,33 @@ impl Boundary {
     /// The boundary with relative index `eta` = n_inside / n_outside and GGX width `alpha`. A rough
     /// boundary tabulates E here (about 10 ms): make one per material, not per hit.
     ///
-    /// The table is within 5e-4 of E for `alpha` ≥ 0.01 and `eta` ≥ 1. Where light is totally reflected
-    /// from outside (`eta` < 1) it is within 5e-3, and below `alpha` = 0.01 within 5e-2 at μ < 0.002;
-    /// its mean over the hemisphere is good to 1e-4 throughout.
+    /// The table is within 5e-4 of E for `eta` ≥ 1 (2e-3 below `alpha` = 0.005). Where light is totally
+    /// reflected from outside (`eta` < 1) E has a kink and the table is within 5e-3 (5e-2 below
+    /// `alpha` = 0.005).
     pub fn new(eta: f32, alpha: f32) -> Self {
         if is_smooth(alpha) {
             let mean_transmittance = (1.0 - 2.0 * fresnel_moment(f64::from(eta), 1)) as f32;
-            return Self { eta, rough: None, mean_transmittance, exit: Discrete::default() }.with_exit();
+            return Self::with_exit(eta, None, mean_transmittance);
         }
         let ggx = Ggx { alpha };
         let fresnel = |cos: f32| [f64::from(fresnel_dielectric(cos, eta).reflectance)];
         let critical = safe_sqrt((1.0 - eta) * (1.0 + eta));
-        let [transmittance] = CosineTable::tabulate(NODES, critical, |mu| {
-            directional_albedo(&ggx, mu, fresnel).map(|reflected| 1.0 - reflected)
-        });
+        let [transmittance] =
+            CosineTable::tabulate(NODES, critical, |mu| [1.0 - directional_albedo(&ggx, mu, fresnel)[0]]);
         let mean_transmittance = transmittance.hemispherical_mean() as f32;
-        let rough = Some(Rough { ggx, transmittance });
-        Self { eta, rough, mean_transmittance, exit: Discrete::default() }.with_exit()
+        Self::with_exit(eta, Some(Rough { ggx, transmittance }), mean_transmittance)
     }
 
-    fn with_exit(mut self) -> Self {
-        // A floor, so that no direction the lobe reaches lies in a bin that is never drawn.
+    fn with_exit(eta: f32, rough: Option<Rough>, mean_transmittance: f32) -> Self {
+        let mut boundary = Self { eta, rough, mean_transmittance, exit: Discrete::default() };
+        let at = |bins: f32| boundary.transmittance((bins / EXIT_BINS as f32).sqrt());
         let weight = |bin: usize| {
-            let edge = |i: usize| self.transmittance((i as f32 / EXIT_BINS as f32).sqrt());
-            let middle = self.transmittance(((bin as f32 + 0.5) / EXIT_BINS as f32).sqrt());
-            (edge(bin) + 2.0 * middle + edge(bin + 1)).max(1e-3)
+            let bin = bin as f32;
+            // A floor, so that no direction the lobe reaches lies in a bin that is never drawn.
+            (at(bin) + 2.0 * at(bin + 0.5) + at(bin + 1.0)).max(1e-3)
         };
-        self.exit = Discrete::new((0..EXIT_BINS).map(weight));
-        self
+        boundary.exit = Discrete::new((0..EXIT_BINS).map(weight));
+        boundary
     }
 
     /// Relative index of refraction, n_inside / n_outside.

@@ -108,6 +108,10 @@ impl MetallicRoughness {
 
 /// Probability of each part: its share times a guess of its albedo. All 0 if nothing is scattered.
 fn chances(parts: &[(f32, Bsdf); 3], wo: Vec3) -> [f32; 3] {
+    let shares = parts.each_ref().map(|(share, _)| *share);
+    if shares.iter().filter(|&&share| share > 0.0).count() == 1 {
+        return shares.map(|share| if share > 0.0 { 1.0 } else { 0.0 });
+    }
     let expected = parts
         .each_ref()
         .map(|(share, part)| if *share > 0.0 { share * part.albedo_estimate(wo) } else { 0.0 });

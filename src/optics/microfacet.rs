@@ -23,7 +23,7 @@ pub fn is_smooth(alpha: f32) -> bool {
 /// A GGX microfacet surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ggx {
-    /// Width: the root-mean-square-like slope scale; roughness² in glTF.
+    /// Width of the distribution of slopes; roughness² in glTF.
     pub alpha: f32,
 }
 

@@ -16,7 +16,7 @@ use crate::radiometry::Rgb;
 /// The glTF specification weights the base by 1 − F at the half vector, which makes energy towards
 /// grazing. Here the base gets what the coat leaves in both directions,
 /// (1 − E(μ_o))(1 − E(μ_i)) / (1 − Ē) (Kelemen and Szirmay-Kalos 2001, section 2.2): reciprocal, and a
-/// white base reflects the rest, less a guard of below 0.1 % against errors of the albedo table, so that
+/// white base reflects the rest, less a guard of about 0.1 % against errors of the albedo table, so that
 /// the sum never exceeds 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plastic {
@@ -138,12 +138,8 @@ impl Plastic {
         if mean <= 0.0 {
             return 0.0;
         }
-        self.left_by_coat(cos_o) * self.left_by_coat(cos_i) / mean
-    }
-
-    /// 1 − E, or a little less.
-    fn left_by_coat(&self, cos: f32) -> f32 {
-        (1.0 - self.coat_albedo(cos)) * (1.0 - SchlickAlbedo::relative_error(cos, self.alpha))
+        let left = |cos| SchlickAlbedo::least_remainder(cos, self.alpha, self.reflectance_normal);
+        left(cos_o) * left(cos_i) / mean
     }
 
     fn coat_albedo(&self, cos: f32) -> f32 {
