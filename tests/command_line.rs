@@ -137,7 +137,7 @@ fn the_header_tells_how_the_picture_was_made() {
     let channels: Vec<String> = layer.channel_data.list.iter().map(|c| c.name.to_string()).collect();
     assert_eq!(channels, ["B", "G", "R", "samples", "variance.B", "variance.G", "variance.R"]);
     let attribute = |name: &str| {
-        let (_, value) = layer.attributes.other.iter().find(|(key, _)| key.to_string() == name).unwrap();
+        let (_, value) = layer.attributes.other.iter().find(|(key, _)| *key == name).unwrap();
         value.to_text().unwrap().to_string()
     };
     assert_eq!(attribute("alabaster.seed"), "77");

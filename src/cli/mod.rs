@@ -85,7 +85,9 @@ fn report_panics_in_one_line() {
         if REPORTED.swap(true, Ordering::Relaxed) {
             return;
         }
-        let what = panic.payload_as_str().unwrap_or("unknown");
+        let payload = panic.payload();
+        let formatted = payload.downcast_ref::<String>().map(String::as_str);
+        let what = formatted.or(payload.downcast_ref::<&str>().copied()).unwrap_or("unknown");
         let place = panic.location().map(|place| format!(" ({place})")).unwrap_or_default();
         say(&format!("error: internal error, please report it: {what}{place}"));
     }));

@@ -19,8 +19,7 @@ use crate::film::output::{Format, check_writable, replace};
 use crate::film::schedule::{Limits, Status};
 use crate::film::{Film, exr, png};
 use crate::raycast::RayCaster;
-use crate::scene::read::read_scene;
-use crate::scene::{Method, ProfileChoice, Scene};
+use crate::scene::{Method, ProfileChoice, Scene, read_scene};
 use crate::transport::{Counters, RenderOptions, Renderer};
 
 /// Arguments of `render`.
@@ -78,13 +77,6 @@ pub struct RenderArgs {
     json: bool,
 }
 
-/// A render as far as it went.
-struct Outcome {
-    film: Film,
-    counters: Counters,
-    seconds: f64,
-}
-
 /// Renders a scene and writes the pictures.
 pub fn run(args: &RenderArgs) -> Result<(), CliError> {
     for path in &args.output {
@@ -106,9 +98,10 @@ pub fn run(args: &RenderArgs) -> Result<(), CliError> {
 fn render_with_embree(args: &RenderArgs, scene: Scene) -> Result<(), CliError> {
     use crate::raycast::embree::EmbreeCaster;
     let options = options(args, &scene);
+    let film = Film::new(scene.film.width, scene.film.height)?;
     let threads = rayon::current_num_threads();
     let renderer = Renderer::new(scene, options, |geometry| EmbreeCaster::new(geometry, threads))?;
-    render_and_save(args, &renderer)
+    render_and_save(args, &renderer, film)
 }
 
 #[cfg(not(feature = "embree"))]
@@ -159,20 +152,19 @@ fn limits(args: &RenderArgs, scene: &Scene) -> Limits {
     }
 }
 
-fn render_and_save<C: RayCaster>(args: &RenderArgs, renderer: &Renderer<C>) -> Result<(), CliError> {
+fn render_and_save<C: RayCaster>(
+    args: &RenderArgs,
+    renderer: &Renderer<C>,
+    mut film: Film,
+) -> Result<(), CliError> {
     let stop = Stop::on_signals()?;
-    let outcome = render(renderer, limits(args, renderer.scene()), &stop, args.quiet)?;
-    let report = Report::new(
-        &outcome.film,
-        &outcome.counters,
-        outcome.seconds,
-        method(renderer.scene()),
-        &args.output,
-    );
+    let limits = limits(args, renderer.scene());
+    let (counters, seconds) = render(renderer, &mut film, limits, &stop, args.quiet);
+    let report = Report::new(&film, &counters, seconds, method(renderer.scene()), &args.output);
     if report.samples == 0 && stop.interrupted() {
         return Err(CliError::Interrupted("there was nothing to save yet".into()));
     }
-    save(args, &outcome.film, &report)?;
+    save(args, &film, &report)?;
     report.print_warnings();
     if args.json {
         print_line(&report.json()?)?;
@@ -186,15 +178,15 @@ fn render_and_save<C: RayCaster>(args: &RenderArgs, renderer: &Renderer<C>) -> R
     Ok(())
 }
 
-/// Takes samples, pass after pass, until a limit is reached or a signal comes.
+/// Takes samples, pass after pass, until a limit is reached or a signal comes. What was counted, and
+/// the seconds it took.
 fn render<C: RayCaster>(
     renderer: &Renderer<C>,
+    film: &mut Film,
     limits: Limits,
     stop: &Stop,
     quiet: bool,
-) -> Result<Outcome, CliError> {
-    let settings = renderer.scene().film;
-    let mut film = Film::new(settings.width, settings.height)?;
+) -> (Counters, f64) {
     let mut counters = Counters::default();
     tracing::info!("rendering {} × {} pixels", film.width(), film.height());
     let progress = Progress::start(limits, film.pixel_count(), quiet);
@@ -226,7 +218,7 @@ fn render<C: RayCaster>(
         progress.set_relative_error(status.relative_error);
     }
     progress.finish();
-    Ok(Outcome { film, counters, seconds: progress.seconds() })
+    (counters, progress.seconds())
 }
 
 fn save(args: &RenderArgs, film: &Film, report: &Report) -> Result<(), CliError> {

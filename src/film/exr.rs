@@ -140,7 +140,7 @@ mod tests {
     use super::*;
 
     fn odd_picture() -> Picture {
-        let value = |i: u32| (i as f32 * 0.37).exp() * if i % 7 == 0 { -1.0 } else { 1e-3 };
+        let value = |i: u32| (i as f32 * 0.37).exp() * if i.is_multiple_of(7) { -1.0 } else { 1e-3 };
         let pixels = (0..5 * 33).map(|i| Rgb::new(value(i), i as f32, f32::MIN_POSITIVE)).collect();
         Picture { width: 5, height: 33, pixels }
     }
@@ -168,7 +168,7 @@ mod tests {
     fn attributes_and_layers_stand_in_the_file() {
         let variance = Channel { name: "variance.R", values: vec![f32::INFINITY; 5 * 33] };
         let attributes = [("alabaster.commandLine", "render κερί.toml -o \"a b.exr\"".repeat(20))];
-        let bytes = encode(&odd_picture(), &[variance.clone()], &attributes);
+        let bytes = encode(&odd_picture(), std::slice::from_ref(&variance), &attributes);
         let image = read()
             .no_deep_data()
             .largest_resolution_level()
