@@ -106,3 +106,22 @@ fn bad_rays_hit_nothing() {
         }
     }
 }
+
+/// Many copies of one triangle, and triangles whose sizes span forty powers of two, make hierarchies as
+/// deep as they get.
+#[test]
+fn hierarchies_of_pathological_meshes_are_traversed() {
+    let corners = [Vec3::new(0.0, 0.0, 1.0), Vec3::new(1.0, 0.0, 1.0), Vec3::new(0.0, 1.0, 1.0)];
+    let (mut copies, mut powers) = (Mesh::default(), Mesh::default());
+    (0..20_000).for_each(|_| copies.push(corners));
+    (-20..20).for_each(|power| powers.push(corners.map(|corner| corner * 2.0_f32.powi(power))));
+    for mesh in [copies, powers] {
+        for (name, caster) in placed(&mesh, &[Affine3A::IDENTITY]) {
+            let ray = Ray { origin: Vec3::ZERO, direction: Vec3::new(0.25, 0.25, 1.0), t_max: 2e6 };
+            let mut hits = vec![];
+            caster.all_hits(&ray, 0, &mut hits);
+            assert_eq!(hits.len(), mesh.triangles.len(), "{name}");
+            assert!(caster.occluded(&ray) && caster.closest(&ray).is_some(), "{name}");
+        }
+    }
+}

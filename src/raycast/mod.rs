@@ -3,10 +3,12 @@
 //! Backends stand behind [`RayCaster`]. Geometry is triangles only ([`Geometry`]); shapes are
 //! triangulated when the scene is read, so every backend sees the same triangles.
 
+pub mod bvh;
 #[cfg(feature = "embree")]
 pub mod embree;
+mod watertight;
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DAffine3, Vec3};
 use thiserror::Error;
 
 /// A ray or, with finite `t_max`, a segment: points `origin + t·direction` with t in (0, `t_max`].
@@ -36,6 +38,17 @@ impl Ray {
     /// The point at parameter `t`.
     pub fn at(&self, t: f32) -> Vec3 {
         self.origin + self.direction * t
+    }
+
+    /// The ray seen through `map`. Its parameter keeps its meaning, because the direction is not normalized
+    /// again. Computed in double precision: single would add its own rounding of the translation, which for
+    /// an object far from the origin is larger than that of the intersection.
+    pub fn transformed(&self, map: &DAffine3) -> Self {
+        Self {
+            origin: map.transform_point3(self.origin.as_dvec3()).as_vec3(),
+            direction: map.transform_vector3(self.direction.as_dvec3()).as_vec3(),
+            t_max: self.t_max,
+        }
     }
 }
 
@@ -156,6 +169,37 @@ pub enum RaycastError {
         /// How many are possible.
         limit: usize,
     },
+}
+
+/// The ray casting backends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Backend {
+    /// Intel Embree 4 (`embree::EmbreeCaster`, with the crate feature `embree`).
+    Embree,
+    /// The pure-Rust hierarchy ([`bvh::BvhCaster`]), in every build.
+    Bvh,
+}
+
+impl Backend {
+    /// The backends of this build, the fastest first.
+    pub const fn available() -> &'static [Self] {
+        if cfg!(feature = "embree") { &[Self::Embree, Self::Bvh] } else { &[Self::Bvh] }
+    }
+
+    /// The name on the command line and in reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Embree => "embree",
+            Self::Bvh => "bvh",
+        }
+    }
+}
+
+impl Default for Backend {
+    /// The fastest one of this build.
+    fn default() -> Self {
+        Self::available()[0]
+    }
 }
 
 /// Answers ray queries about a fixed scene, from any thread, without allocation.

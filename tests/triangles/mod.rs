@@ -11,6 +11,7 @@ pub fn backends(geometry: &Geometry) -> Vec<(&'static str, Box<dyn RayCaster>)> 
     vec![
         #[cfg(feature = "embree")]
         ("embree", Box::new(alabaster::raycast::embree::EmbreeCaster::new(geometry, 0).expect("builds"))),
+        ("bvh", Box::new(alabaster::raycast::bvh::BvhCaster::new(geometry).expect("builds"))),
     ]
 }
 

@@ -9,7 +9,6 @@ use std::mem;
 use std::ptr;
 
 use embree4_sys as rtc;
-use glam::DAffine3;
 
 use super::scene::Scene;
 use super::{NO_CONTEXT, to_embree};
@@ -44,17 +43,6 @@ pub(super) fn all_hits(scene: &Scene, ray: &Ray, instance: u32, hits: &mut Vec<H
     // A primitive may be offered to the filter more than once.
     hits.sort_unstable_by_key(|hit| hit.primitive);
     hits.dedup_by_key(|hit| hit.primitive);
-}
-
-/// The segment seen from object space. Its parameter keeps its meaning, because the direction is mapped
-/// without being normalized. Computed in double precision: single would add its own rounding of
-/// the translation, which for an object far from the origin is larger than the hit's.
-pub(super) fn to_object_space(ray: &Ray, to_object: &DAffine3) -> Ray {
-    Ray {
-        origin: to_object.transform_point3(ray.origin.as_dvec3()).as_vec3(),
-        direction: to_object.transform_vector3(ray.direction.as_dvec3()).as_vec3(),
-        t_max: ray.t_max,
-    }
 }
 
 unsafe extern "C" fn record_and_reject(arguments: *const rtc::RTCFilterFunctionNArguments) {
