@@ -47,9 +47,11 @@ fn round_toward(x: f32, sign: f32) -> f32 {
 /// Bound on the absolute error of each coordinate of a point interpolated from the vertices of a
 /// triangle with barycentric coordinates, and traversed by a watertight but not exact intersector:
 /// γ₇ of the largest vertex coordinates, doubled because the intersector computes its plane from
-/// rounded vertex differences.
+/// rounded vertex differences. At least an ulp of the triangle's largest coordinate: a point of the
+/// plane y = 0 is exact, but a ray that starts on the plane itself would meet it again.
 pub fn interpolation_error(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
-    (a.abs().max(b.abs()).max(c.abs())) * (2.0 * gamma(7))
+    let largest = a.abs().max(b.abs()).max(c.abs());
+    (largest * (2.0 * gamma(7))).max(Vec3::splat(largest.max_element() * f32::EPSILON))
 }
 
 #[cfg(test)]
@@ -65,5 +67,12 @@ mod tests {
             let moved = offset_from_surface(point, error, normal, normal * side);
             assert!((moved - point).as_dvec3().dot(normal.as_dvec3()) * f64::from(side) > 0.0);
         }
+    }
+
+    #[test]
+    fn a_point_of_a_coordinate_plane_leaves_it_too() {
+        let [a, b, c] = [Vec3::ZERO, Vec3::X * 20.0, Vec3::Z * 20.0];
+        let moved = offset_from_surface(Vec3::ZERO, interpolation_error(a, b, c), Vec3::Y, Vec3::Y);
+        assert!(moved.y > 1e-6);
     }
 }
