@@ -3,10 +3,12 @@
 //! Backends stand behind [`RayCaster`]. Geometry is triangles only ([`Geometry`]); shapes are
 //! triangulated when the scene is read, so every backend sees the same triangles.
 
+pub mod bvh;
 #[cfg(feature = "embree")]
 pub mod embree;
+mod watertight;
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DAffine3, Vec3};
 use thiserror::Error;
 
 /// A ray or, with finite `t_max`, a segment: points `origin + t·direction` with t in (0, `t_max`].
@@ -36,6 +38,17 @@ impl Ray {
     /// The point at parameter `t`.
     pub fn at(&self, t: f32) -> Vec3 {
         self.origin + self.direction * t
+    }
+
+    /// The ray seen through `map`. Its parameter keeps its meaning, because the direction is not normalized
+    /// again. Computed in double precision: single would add its own rounding of the translation, which for
+    /// an object far from the origin is larger than that of the intersection.
+    pub fn transformed(&self, map: &DAffine3) -> Self {
+        Self {
+            origin: map.transform_point3(self.origin.as_dvec3()).as_vec3(),
+            direction: map.transform_vector3(self.direction.as_dvec3()).as_vec3(),
+            t_max: self.t_max,
+        }
     }
 }
 
@@ -83,6 +96,32 @@ pub struct Geometry<'a> {
     pub instances: &'a [MeshInstance],
 }
 
+impl Geometry<'_> {
+    /// Checks that every index is in range and every count fits into an index: what a backend relies on
+    /// and cannot find out later.
+    ///
+    /// # Errors
+    /// [`RaycastError::VertexIndex`], [`RaycastError::MeshIndex`] or [`RaycastError::TooLarge`].
+    pub fn validate(&self) -> Result<(), RaycastError> {
+        for (mesh, data) in self.meshes.iter().enumerate() {
+            let limit = u32::MAX as usize;
+            for (what, count) in [("vertices", data.positions.len()), ("triangles", data.triangles.len())] {
+                if count > limit {
+                    return Err(RaycastError::TooLarge { mesh, what, count, limit });
+                }
+            }
+            let outside = |triangle: &[u32; 3]| triangle.iter().any(|&i| i as usize >= data.positions.len());
+            if let Some(triangle) = data.triangles.iter().position(outside) {
+                return Err(RaycastError::VertexIndex { mesh, triangle });
+            }
+        }
+        match self.instances.iter().position(|instance| instance.mesh >= self.meshes.len()) {
+            Some(instance) => Err(RaycastError::MeshIndex { instance }),
+            None => Ok(()),
+        }
+    }
+}
+
 /// Why a backend could not be built.
 #[derive(Debug, Error)]
 pub enum RaycastError {
@@ -104,6 +143,20 @@ pub enum RaycastError {
         /// Version of the loaded library.
         loaded: String,
     },
+    /// A triangle names a vertex that does not exist.
+    #[error("mesh {mesh}: triangle {triangle} has a vertex index out of range")]
+    VertexIndex {
+        /// Index of the mesh.
+        mesh: usize,
+        /// Index of the triangle in the mesh.
+        triangle: usize,
+    },
+    /// An instance names a mesh that does not exist.
+    #[error("instance {instance} places a mesh that does not exist")]
+    MeshIndex {
+        /// Index of the instance.
+        instance: usize,
+    },
     /// More triangles or vertices than the index type holds.
     #[error("mesh {mesh} has {count} {what}; the limit is {limit}")]
     TooLarge {
@@ -116,6 +169,37 @@ pub enum RaycastError {
         /// How many are possible.
         limit: usize,
     },
+}
+
+/// The ray casting backends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Backend {
+    /// Intel Embree 4 (`embree::EmbreeCaster`, with the crate feature `embree`).
+    Embree,
+    /// The pure-Rust hierarchy ([`bvh::BvhCaster`]), in every build.
+    Bvh,
+}
+
+impl Backend {
+    /// The backends of this build, the fastest first.
+    pub const fn available() -> &'static [Self] {
+        if cfg!(feature = "embree") { &[Self::Embree, Self::Bvh] } else { &[Self::Bvh] }
+    }
+
+    /// The name on the command line and in reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Embree => "embree",
+            Self::Bvh => "bvh",
+        }
+    }
+}
+
+impl Default for Backend {
+    /// The fastest one of this build.
+    fn default() -> Self {
+        Self::available()[0]
+    }
 }
 
 /// Answers ray queries about a fixed scene, from any thread, without allocation.

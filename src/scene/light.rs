@@ -1,5 +1,7 @@
 //! Lights.
 
+use std::f32::consts::TAU;
+
 use glam::{Mat3, Vec3};
 
 use crate::radiometry::Rgb;
@@ -83,4 +85,49 @@ pub enum Environment {
         /// World direction to map direction.
         rotation: Mat3,
     },
+}
+
+/// Share of its intensity that a spot light sends at `cos_angle` from its axis: 1 inside the inner
+/// and 0 outside the outer half angle (radians), in between the squared ramp in the cosine that
+/// KHR_lights_punctual recommends.
+pub fn spot_falloff(cos_angle: f32, inner_angle: f32, outer_angle: f32) -> f32 {
+    let (inner, outer) = (inner_angle.cos(), outer_angle.cos());
+    if cos_angle >= inner {
+        1.0
+    } else if cos_angle <= outer {
+        0.0
+    } else {
+        ((cos_angle - outer) / (inner - outer)).powi(2)
+    }
+}
+
+/// Integral of [`spot_falloff`] over the sphere, sr: 2π[(1 − cos θᵢ) + (cos θᵢ − cos θₒ)/3].
+/// The power of a spot light is this times the intensity on its axis.
+pub fn spot_solid_angle(inner_angle: f32, outer_angle: f32) -> f32 {
+    // 1 − cos θ = 2 sin²(θ/2) keeps the digits of narrow cones.
+    let one_minus_cos = |angle: f32| 2.0 * (0.5 * angle).sin().powi(2);
+    let (inner, outer) = (one_minus_cos(inner_angle), one_minus_cos(outer_angle));
+    TAU * (inner + (outer - inner) / 3.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spot_solid_angle_is_the_integral_of_the_falloff() {
+        for (inner, outer) in [(0.0_f32, 0.5_f32), (0.2, 0.7), (0.4, 0.4), (1.0, 1.5)] {
+            // Midpoint rule in the cosine over the cone; the integrand is monotone and at most 1, so
+            // the rule is off by at most one step.
+            let (n, top) = (100_000, 1.0 - f64::from(outer.cos()));
+            let step = top / f64::from(n);
+            let sum: f64 = (0..n)
+                .map(|i| 1.0 - (f64::from(i) + 0.5) * step)
+                .map(|cos| f64::from(spot_falloff(cos as f32, inner, outer)))
+                .sum();
+            let expected = f64::from(TAU) * sum * step;
+            let got = f64::from(spot_solid_angle(inner, outer));
+            assert!((got - expected).abs() <= f64::from(TAU) * (step + 1e-6 * top), "{got} {expected}");
+        }
+    }
 }

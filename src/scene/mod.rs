@@ -4,19 +4,31 @@
 //! metres, angles radians, powers turned into radiance or intensity. Nothing here traces rays.
 
 pub mod camera;
+mod complete;
+pub mod environment;
 pub mod error;
+pub mod filter;
+pub mod gltf;
 pub mod light;
+mod lookup;
 pub mod material;
 pub mod mesh;
+pub mod read;
 pub mod settings;
+pub mod shape;
 pub mod texture;
+mod toml;
 
 pub use camera::Camera;
 pub use error::SceneError;
+pub use gltf::{GltfScene, read_gltf};
 pub use light::{Environment, Light};
 pub use material::{Material, ScatteringInput, Surface};
 pub use mesh::{Instance, Mesh};
-pub use settings::{FilmSettings, Filter, Method, ProfileChoice, RenderSettings, SubsurfaceSettings};
+pub use read::read_scene;
+pub use settings::{
+    ColorMode, FilmSettings, Filter, Method, ProfileChoice, RenderSettings, SubsurfaceSettings,
+};
 pub use texture::{ColorInput, Image, ScalarInput, Texture};
 
 /// A scene: everything that a picture depends on.

@@ -79,10 +79,60 @@ pub struct RenderSettings {
     pub spp: u32,
     /// Longest path in bounces; 0: no limit.
     pub max_depth: u32,
+    /// How colour is carried.
+    pub color_mode: ColorMode,
+}
+
+/// How colour is carried along a path.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ColorMode {
+    /// The program chooses.
+    #[default]
+    Auto,
+    /// Three channels at once.
+    Rgb,
+    /// By wavelength.
+    Spectral,
+}
+
+impl Filter {
+    /// Names in scene files and on the command line.
+    pub const NAMES: [(&'static str, Self); 3] =
+        [("box", Self::Box), ("gaussian", Self::Gaussian), ("blackman-harris", Self::BlackmanHarris)];
+}
+
+impl Method {
+    /// Names in scene files and on the command line.
+    pub const NAMES: [(&'static str, Self); 4] =
+        [("auto", Self::Auto), ("bssrdf", Self::Bssrdf), ("walk", Self::Walk), ("diffuse", Self::Diffuse)];
+}
+
+impl ProfileChoice {
+    /// Names in scene files and on the command line.
+    pub const NAMES: [(&'static str, Self); 7] = [
+        ("auto", Self::Auto),
+        ("dipole", Self::Dipole),
+        ("better-dipole", Self::BetterDipole),
+        ("directional-dipole", Self::DirectionalDipole),
+        ("normalized-diffusion", Self::NormalizedDiffusion),
+        ("photon-beam", Self::PhotonBeam),
+        ("tabulated", Self::Tabulated),
+    ];
+
+    /// Name in scene files and on the command line.
+    pub fn name(self) -> &'static str {
+        Self::NAMES.iter().find(|(_, choice)| *choice == self).map_or("", |(name, _)| name)
+    }
+}
+
+impl ColorMode {
+    /// Names in scene files and on the command line.
+    pub const NAMES: [(&'static str, Self); 3] =
+        [("auto", Self::Auto), ("rgb", Self::Rgb), ("spectral", Self::Spectral)];
 }
 
 impl Default for RenderSettings {
     fn default() -> Self {
-        Self { spp: 64, max_depth: 0 }
+        Self { spp: 64, max_depth: 0, color_mode: ColorMode::default() }
     }
 }
