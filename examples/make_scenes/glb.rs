@@ -55,6 +55,9 @@ impl Model<'_> {
             }],
             "materials": [self.material],
         });
+        if let Some(extensions) = self.material["extensions"].as_object() {
+            document["extensionsUsed"] = json!(extensions.keys().collect::<Vec<_>>());
+        }
         if let Some(jpeg) = &self.jpeg {
             document["images"] = json!([{ "bufferView": buffer.view(jpeg), "mimeType": "image/jpeg" }]);
             document["samplers"] =

@@ -24,7 +24,7 @@ pub const RECIPES: [Recipe; 11] = [
     ("table.glb", table),
     ("glass.glb", || plain("glass", turned::glass())),
     ("milk.glb", || plain("milk", turned::milk())),
-    ("knot.glb", || plain("knot", torus_knot(3.0, 1.3, 0.85, 320, 36))),
+    ("knot.glb", || plain("knot", torus_knot(3.4, 1.3, 0.78, 300, 32))),
 ];
 
 /// A mesh in centimetres whose material the scene file gives.

@@ -70,7 +70,7 @@ pub fn torus_knot(major: f64, minor: f64, girth: f64, along: usize, around: usiz
     let at = |i: usize, j: usize| ((i % along) * around + j % around) as u32;
     for (i, j) in (0..along).flat_map(|i| (0..around).map(move |j| (i, j))) {
         let [a, b, c, d] = [at(i, j), at(i, j + 1), at(i + 1, j), at(i + 1, j + 1)];
-        body.surface.triangles.extend([[a, c, d], [a, d, b]]);
+        body.surface.triangles.extend([[a, d, c], [a, b, d]]);
     }
     body
 }

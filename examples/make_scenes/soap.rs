@@ -12,7 +12,7 @@ const HALF: DVec3 = DVec3::new(4.3, 1.3, 2.8);
 /// The bar.
 pub fn soap() -> Shaded {
     let field = |p: DVec3| bar(p - DVec3::Y * HALF.y);
-    let rough = polygonise(&field, DVec3::new(-4.8, -0.5, -3.3), DVec3::new(4.8, 3.1, 3.3), 0.09);
+    let rough = polygonise(&field, DVec3::new(-4.8, -0.5, -3.3), DVec3::new(4.8, 3.1, 3.3), 0.08);
     remesh(rough, &field, Fineness { deviation: 0.002, shortest: 0.07, longest: 0.45 })
 }
 
@@ -28,14 +28,14 @@ fn bar(p: DVec3) -> f64 {
     // An oval field, sunk; the sprig stands in it.
     let oval = ((at / DVec2::new(3.05, 1.75)).length() - 1.0) * 1.9;
     let sunk = 0.11 * smooth_step(0.1, -0.1, oval);
-    let raised = 0.13 * smooth_step(0.07, -0.07, sprig(at));
+    let raised = 0.14 * smooth_step(0.09, -0.16, sprig(at));
     body + above * (sunk - raised)
 }
 
 /// Distance in the plane to a bowed stem with leaves in pairs.
 fn sprig(p: DVec2) -> f64 {
     let stem: Vec<DVec2> = (0..=8).map(|i| stem_at(-2.2 + 0.5 * f64::from(i))).collect();
-    let mut d = distance_to_polyline(p, &stem) - 0.05;
+    let mut d = distance_to_polyline(p, &stem) - 0.09;
     for i in 0..4 {
         let x = -1.7 + 0.95 * f64::from(i);
         for side in [-1.0, 1.0] {

@@ -11,7 +11,7 @@ use super::remesh::{Fineness, Shaded, remesh};
 pub fn swan() -> Shaded {
     let swan = Swan::new();
     let field = |p: DVec3| swan.distance(p);
-    let rough = polygonise(&field, DVec3::new(-9.6, -0.6, -6.4), DVec3::new(8.6, 13.4, 6.4), 0.11);
+    let rough = polygonise(&field, DVec3::new(-9.6, -0.6, -6.4), DVec3::new(8.6, 13.4, 6.4), 0.1);
     remesh(rough, &field, Fineness { deviation: 0.0025, shortest: 0.085, longest: 0.45 })
 }
 
@@ -104,8 +104,8 @@ impl Swan {
         let flat = DVec3::new(p.x, p.y, 0.0);
         let mut d = self.arm.distance(p);
         for feather in &self.feathers {
-            if feather.axis.at_least(flat).max(above.abs() - 0.7) < d + 0.08 {
-                d = smooth_union(d, feather.distance(flat, above), 0.08);
+            if feather.axis.at_least(flat).max(above.abs() - 0.7) < d + 0.1 {
+                d = smooth_union(d, feather.distance(flat, above), 0.1);
             }
         }
         smooth_union(body, d, 0.35)
@@ -133,14 +133,14 @@ fn on_sheet(x: f64, y: f64, radius: f64) -> [f64; 4] {
 
 /// Flight feathers in a fan from the arm, shorter coverts over their roots.
 fn feathers() -> Vec<Feather> {
-    let roots = [DVec2::new(1.7, 4.9), DVec2::new(1.6, 7.2), DVec2::new(-1.6, 8.8)];
+    let roots = [DVec2::new(2.25, 5.2), DVec2::new(2.6, 7.3), DVec2::new(-1.6, 9.0)];
     let long = [DVec2::new(-4.6, 5.0), DVec2::new(-9.6, 6.2), DVec2::new(-6.0, 12.4)];
     let middle = [DVec2::new(-1.9, 5.0), DVec2::new(-5.0, 6.4), DVec2::new(-4.0, 10.6)];
     let short = [DVec2::new(0.2, 5.0), DVec2::new(-1.2, 6.6), DVec2::new(-2.6, 9.6)];
     [
-        row(9, roots, long, 0.10, [0.74, 0.62], [0.0, 0.19]),
-        row(8, roots, middle, 0.08, [0.72, 0.52], [0.07, 0.22]),
-        row(7, roots, short, 0.05, [0.66, 0.46], [0.12, 0.27]),
+        row(9, roots, long, 0.10, [0.74, 0.62], [0.0, 0.22]),
+        row(8, roots, middle, 0.08, [0.72, 0.52], [0.07, 0.25]),
+        row(7, roots, short, 0.05, [0.66, 0.46], [0.12, 0.29]),
     ]
     .concat()
 }
@@ -185,9 +185,9 @@ impl Feather {
         // Thinner towards edge and tip; the coverts rise from the arm and lie down again.
         let across = (nearest.distance / nearest.radius).min(1.3);
         let share = nearest.share;
-        let quill = self.thickness * (1.0 - 0.45 * share) * smooth_step(-0.3, 0.25, share);
-        let thickness = quill * (1.0 - 0.6 * across * across);
+        let quill = self.thickness * (1.0 - 0.35 * share) * smooth_step(-0.3, 0.25, share);
+        let thickness = quill * (1.0 - 0.4 * across * across);
         let off_middle = above - self.lift * 3.0 * share * (1.2 - share) - 0.05 * side;
-        smooth_intersection(nearest.distance - nearest.radius, off_middle.abs() - thickness, 0.16)
+        smooth_intersection(nearest.distance - nearest.radius, off_middle.abs() - thickness, 0.2)
     }
 }

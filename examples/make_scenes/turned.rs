@@ -26,7 +26,7 @@ pub fn pedestal() -> Shaded {
         [1.8, -1.8],
         [0.0, -1.8],
     ];
-    revolve(&profile, 4, 128)
+    revolve(&profile, 3, 112)
 }
 
 /// Dish under the candle, standing on y = 0.
