@@ -1,7 +1,10 @@
 //! Mathematics without physics: frames, warps, robust floating point, discrete and tabulated
 //! distributions, the seeded low-discrepancy sample stream.
 
+pub mod distribution;
 pub mod frame;
+pub mod monotone_cubic;
+pub mod quadrature;
 pub mod robust;
 pub mod sampler;
 pub mod warp;

@@ -83,6 +83,32 @@ pub struct Geometry<'a> {
     pub instances: &'a [MeshInstance],
 }
 
+impl Geometry<'_> {
+    /// Checks that every index is in range and every count fits into an index: what a backend relies on
+    /// and cannot find out later.
+    ///
+    /// # Errors
+    /// [`RaycastError::VertexIndex`], [`RaycastError::MeshIndex`] or [`RaycastError::TooLarge`].
+    pub fn validate(&self) -> Result<(), RaycastError> {
+        for (mesh, data) in self.meshes.iter().enumerate() {
+            let limit = u32::MAX as usize;
+            for (what, count) in [("vertices", data.positions.len()), ("triangles", data.triangles.len())] {
+                if count > limit {
+                    return Err(RaycastError::TooLarge { mesh, what, count, limit });
+                }
+            }
+            let outside = |triangle: &[u32; 3]| triangle.iter().any(|&i| i as usize >= data.positions.len());
+            if let Some(triangle) = data.triangles.iter().position(outside) {
+                return Err(RaycastError::VertexIndex { mesh, triangle });
+            }
+        }
+        match self.instances.iter().position(|instance| instance.mesh >= self.meshes.len()) {
+            Some(instance) => Err(RaycastError::MeshIndex { instance }),
+            None => Ok(()),
+        }
+    }
+}
+
 /// Why a backend could not be built.
 #[derive(Debug, Error)]
 pub enum RaycastError {
@@ -103,6 +129,20 @@ pub enum RaycastError {
         built: String,
         /// Version of the loaded library.
         loaded: String,
+    },
+    /// A triangle names a vertex that does not exist.
+    #[error("mesh {mesh}: triangle {triangle} has a vertex index out of range")]
+    VertexIndex {
+        /// Index of the mesh.
+        mesh: usize,
+        /// Index of the triangle in the mesh.
+        triangle: usize,
+    },
+    /// An instance names a mesh that does not exist.
+    #[error("instance {instance} places a mesh that does not exist")]
+    MeshIndex {
+        /// Index of the instance.
+        instance: usize,
     },
     /// More triangles or vertices than the index type holds.
     #[error("mesh {mesh} has {count} {what}; the limit is {limit}")]

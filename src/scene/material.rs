@@ -21,6 +21,38 @@ pub struct Material {
     pub double_sided: bool,
 }
 
+impl Material {
+    /// The textures that the material looks up, by index; one may occur more than once.
+    pub fn textures(&self) -> Vec<usize> {
+        let mut textures: Vec<Option<usize>> = vec![self.emission.texture, self.normal_map.map(|(t, _)| t)];
+        let scalar = |input: &ScalarInput| input.texture.map(|(texture, _)| texture);
+        match &self.coverage {
+            Coverage::Full => {}
+            Coverage::Mask { alpha, .. } | Coverage::Blend { alpha } => textures.push(scalar(alpha)),
+        }
+        match &self.surface {
+            Surface::Diffuse { reflectance } => textures.push(reflectance.texture),
+            Surface::Metal { reflectance, roughness } => {
+                textures.extend([reflectance.texture, scalar(roughness)]);
+            }
+            Surface::MetallicRoughness(s) => textures.extend([
+                s.base_color.texture,
+                scalar(&s.metallic),
+                scalar(&s.roughness),
+                scalar(&s.transmission),
+                scalar(&s.diffuse_transmission),
+                s.diffuse_transmission_color.texture,
+            ]),
+            Surface::Dielectric { roughness, tint, .. } => textures.extend([scalar(roughness), tint.texture]),
+            Surface::Translucent { medium: ScatteringInput::Albedo { albedo, .. }, .. } => {
+                textures.push(albedo.texture);
+            }
+            Surface::Translucent { medium: ScatteringInput::Coefficients { .. }, .. } => {}
+        }
+        textures.into_iter().flatten().collect()
+    }
+}
+
 /// Where a surface is there at all (glTF alphaMode).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Coverage {

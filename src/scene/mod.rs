@@ -10,6 +10,7 @@ pub mod error;
 pub mod filter;
 pub mod gltf;
 pub mod light;
+mod lookup;
 pub mod material;
 pub mod mesh;
 pub mod read;
@@ -20,6 +21,7 @@ mod toml;
 
 pub use camera::Camera;
 pub use error::SceneError;
+pub use gltf::{GltfScene, read_gltf};
 pub use light::{Environment, Light};
 pub use material::{Material, ScatteringInput, Surface};
 pub use mesh::{Instance, Mesh};

@@ -118,6 +118,11 @@ impl ProfileChoice {
         ("photon-beam", Self::PhotonBeam),
         ("tabulated", Self::Tabulated),
     ];
+
+    /// Name in scene files and on the command line.
+    pub fn name(self) -> &'static str {
+        Self::NAMES.iter().find(|(_, choice)| *choice == self).map_or("", |(name, _)| name)
+    }
 }
 
 impl ColorMode {

@@ -1,6 +1,6 @@
 //! Images, textures, and inputs that are a constant or textured.
 
-use glam::{Affine2, Vec2};
+use glam::Affine2;
 
 use crate::radiometry::Rgb;
 
@@ -91,12 +91,5 @@ impl ScalarInput {
     /// The same everywhere.
     pub const fn constant(factor: f32) -> Self {
         Self { factor, texture: None, vertex_alpha: false }
-    }
-}
-
-impl Texture {
-    /// Texture coordinates after this texture's own transform.
-    pub fn coordinates(&self, uv: Vec2) -> Vec2 {
-        self.transform.transform_point2(uv)
     }
 }

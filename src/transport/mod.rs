@@ -1,1 +1,14 @@
-//! TODO
+//! Light carried through the scene: the path tracer, direct light, the area integral.
+
+pub mod area_integral;
+pub mod counters;
+pub mod interiors;
+pub mod light_sampling;
+mod path;
+pub mod renderer;
+pub mod scatterer;
+mod shading;
+pub mod world;
+
+pub use counters::{Counters, ProbeCounters};
+pub use renderer::{RenderError, RenderOptions, Renderer};

@@ -1,0 +1,92 @@
+//! Values on the command line.
+
+use clap::ValueEnum;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+
+use crate::film::layers::Layer;
+use crate::film::view::View;
+
+/// A parser that knows the names in `table`, which are also those in scene files.
+pub fn named<T: Copy + Send + Sync + 'static, const N: usize>(
+    table: [(&'static str, T); N],
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(table.map(|(name, _)| name)).try_map(move |given| {
+        let found = table.iter().find(|(name, _)| *name == given);
+        found.map(|&(_, value)| value).ok_or("unknown name")
+    })
+}
+
+/// The name of `value` in `table`; empty if it has none.
+pub fn name_of<T: PartialEq>(table: &[(&'static str, T)], value: &T) -> &'static str {
+    table.iter().find(|(_, named)| named == value).map_or("", |(name, _)| name)
+}
+
+/// A finite number.
+pub fn finite(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err("a finite number is wanted".into()),
+    }
+}
+
+/// A finite number above 0.
+pub fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
+        _ => Err("a number above 0 is wanted".into()),
+    }
+}
+
+/// How a .png shows radiance.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub enum ViewChoice {
+    /// Film-like: soft highlights, middle grey kept
+    #[default]
+    Filmic,
+    /// The plain sRGB curve: 1 is white, what is above is cut
+    Srgb,
+}
+
+impl From<ViewChoice> for View {
+    fn from(choice: ViewChoice) -> Self {
+        match choice {
+            ViewChoice::Filmic => Self::Filmic,
+            ViewChoice::Srgb => Self::Srgb,
+        }
+    }
+}
+
+/// What casts the rays.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum BackendChoice {
+    /// Embree 4
+    #[default]
+    Embree,
+    /// Pure Rust
+    Bvh,
+}
+
+/// Layers of an .exr beside the colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LayerChoice {
+    /// Every layer
+    All,
+    /// Variance of the mean: variance.R, variance.G, variance.B
+    Variance,
+    /// Samples taken in each pixel
+    Samples,
+}
+
+impl LayerChoice {
+    /// The layers that `choices` name, each once.
+    pub fn layers(choices: &[Self]) -> Vec<Layer> {
+        let wanted = |layer: &Layer| {
+            choices.contains(&Self::All)
+                || choices.contains(match layer {
+                    Layer::Variance => &Self::Variance,
+                    Layer::Samples => &Self::Samples,
+                })
+        };
+        Layer::ALL.into_iter().filter(wanted).collect()
+    }
+}

@@ -1,0 +1,21 @@
+//! Standard output for results, standard error for everything else.
+
+use std::io::{self, Write};
+
+use super::error::CliError;
+
+/// Writes a result to standard output. A reader that has gone away (`| head`) is no error.
+pub fn print_line(line: &str) -> Result<(), CliError> {
+    match writeln!(io::stdout(), "{line}") {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(CliError::machine(format!("standard output: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Writes a line to standard error. Where that is closed there is nobody to tell, and no reason to
+/// give up the work.
+pub fn say(line: &str) {
+    let _ = writeln!(io::stderr(), "{line}");
+}

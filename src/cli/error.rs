@@ -1,0 +1,105 @@
+//! Errors of commands and their exit codes.
+
+use std::fmt::Display;
+use std::process::ExitCode;
+
+use thiserror::Error;
+
+use super::console::say;
+use crate::film::FilmError;
+use crate::film::output::OutputError;
+use crate::scene::SceneError;
+use crate::transport::RenderError;
+
+/// How the program ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exit {
+    /// The command did what it was asked for.
+    Done = 0,
+    /// The command line or an input file is wrong.
+    Input = 2,
+    /// The machine failed.
+    Machine = 3,
+    /// Interrupted, after the work so far was saved.
+    Interrupted = 130,
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> Self {
+        Self::from(exit as u8)
+    }
+}
+
+/// Why a command did not do what it was asked for.
+#[derive(Debug, Error)]
+pub enum CliError {
+    /// The command line or an input file is wrong.
+    #[error("{0}")]
+    Input(String),
+    /// The machine failed.
+    #[error("{0}")]
+    Machine(String),
+    /// Interrupted; what became of the work.
+    #[error("interrupted; {0}")]
+    Interrupted(String),
+}
+
+impl CliError {
+    /// The command line or an input file is wrong.
+    pub fn input(problem: impl Display) -> Self {
+        Self::Input(problem.to_string())
+    }
+
+    /// The machine failed.
+    pub fn machine(problem: impl Display) -> Self {
+        Self::Machine(problem.to_string())
+    }
+
+    /// The exit code.
+    pub fn exit(&self) -> Exit {
+        match self {
+            Self::Input(_) => Exit::Input,
+            Self::Machine(_) => Exit::Machine,
+            Self::Interrupted(_) => Exit::Interrupted,
+        }
+    }
+
+    /// The one message, on standard error.
+    pub fn print(&self) {
+        let label = if matches!(self, Self::Interrupted(_)) { "" } else { "error: " };
+        say(&format!("{label}{self}"));
+    }
+}
+
+impl From<SceneError> for CliError {
+    fn from(error: SceneError) -> Self {
+        Self::input(error)
+    }
+}
+
+impl From<OutputError> for CliError {
+    fn from(error: OutputError) -> Self {
+        match error {
+            OutputError::UnknownEnding(_) => Self::input(error),
+            OutputError::Unwritable { .. } => Self::machine(error),
+        }
+    }
+}
+
+impl From<FilmError> for CliError {
+    fn from(error: FilmError) -> Self {
+        match error {
+            FilmError::Size { .. } => Self::input(error),
+            FilmError::Memory { .. } => Self::machine(error),
+        }
+    }
+}
+
+impl From<RenderError> for CliError {
+    fn from(error: RenderError) -> Self {
+        match error {
+            RenderError::Unavailable { .. } => Self::input(error),
+            RenderError::Raycast(_) => Self::machine(error),
+        }
+    }
+}

@@ -1,0 +1,272 @@
+//! `alabaster render`.
+
+use std::env;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+
+use clap::Args;
+
+use super::choice::{BackendChoice, LayerChoice, ViewChoice, finite, name_of, named, positive};
+use super::console::{print_line, say};
+use super::error::CliError;
+use super::progress::Progress;
+use super::report::Report;
+use super::stop::Stop;
+use crate::film::accumulator::MAX_SAMPLES;
+use crate::film::exr::Attribute;
+use crate::film::layers::Channel;
+use crate::film::output::{Format, check_writable, replace};
+use crate::film::schedule::{Limits, Status};
+use crate::film::{Film, exr, png};
+use crate::raycast::RayCaster;
+use crate::scene::read::read_scene;
+use crate::scene::{Method, ProfileChoice, Scene};
+use crate::transport::{Counters, RenderOptions, Renderer};
+
+/// Arguments of `render`.
+#[derive(Args)]
+pub struct RenderArgs {
+    /// Scene to render: .toml, .glb or .gltf
+    scene: PathBuf,
+    /// Picture to write, .exr or .png; may be given several times
+    #[arg(short, long, required = true, value_name = "FILE")]
+    output: Vec<PathBuf>,
+    /// Width in pixels [default: the scene's]
+    #[arg(long)]
+    width: Option<u32>,
+    /// Height in pixels [default: the scene's]
+    #[arg(long)]
+    height: Option<u32>,
+    /// Stop after so many samples per pixel [default: the scene's, unless --time or --error is given]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_SAMPLES))]
+    spp: Option<u64>,
+    /// Stop after so many seconds of rendering, at the earliest after one sample per pixel
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    time: Option<f64>,
+    /// Stop when the estimated relative error (square root of relMSE) is at most this
+    #[arg(long, value_name = "REL", value_parser = positive)]
+    error: Option<f64>,
+    /// How light under surfaces is computed [default: the scene's]
+    #[arg(long, value_parser = named(Method::NAMES))]
+    method: Option<Method>,
+    /// Diffusion profile [default: the scene's]
+    #[arg(long, value_name = "NAME", value_parser = named(ProfileChoice::NAMES))]
+    profile: Option<ProfileChoice>,
+    /// What casts the rays
+    #[arg(long, value_enum, default_value_t)]
+    backend: BackendChoice,
+    /// Seed of all random numbers: the same seed, scene and samples give the same bits
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// Threads [default: as many as the machine has]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Layers to write into .exr beside the colour
+    #[arg(long, value_name = "LAYERS", value_delimiter = ',')]
+    aov: Vec<LayerChoice>,
+    /// How .png shows radiance
+    #[arg(long, value_enum, default_value_t)]
+    view: ViewChoice,
+    /// Exposure of .png in EV: each one doubles
+    #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]
+    exposure: f32,
+    /// Print nothing but warnings and errors
+    #[arg(long)]
+    quiet: bool,
+    /// Print what was done as JSON on standard output
+    #[arg(long)]
+    json: bool,
+}
+
+/// A render as far as it went.
+struct Outcome {
+    film: Film,
+    counters: Counters,
+    seconds: f64,
+}
+
+/// Renders a scene and writes the pictures.
+pub fn run(args: &RenderArgs) -> Result<(), CliError> {
+    for path in &args.output {
+        Format::of(path)?;
+        check_writable(path)?;
+    }
+    start_threads(args.threads)?;
+    let scene = scene_with_overrides(args)?;
+    scene.warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
+    match args.backend {
+        BackendChoice::Embree => render_with_embree(args, scene),
+        BackendChoice::Bvh => {
+            Err(CliError::input("--backend bvh is not available in this version; available: embree"))
+        }
+    }
+}
+
+#[cfg(feature = "embree")]
+fn render_with_embree(args: &RenderArgs, scene: Scene) -> Result<(), CliError> {
+    use crate::raycast::embree::EmbreeCaster;
+    let options = options(args, &scene);
+    let threads = rayon::current_num_threads();
+    let renderer = Renderer::new(scene, options, |geometry| EmbreeCaster::new(geometry, threads))?;
+    render_and_save(args, &renderer)
+}
+
+#[cfg(not(feature = "embree"))]
+fn render_with_embree(_args: &RenderArgs, _scene: Scene) -> Result<(), CliError> {
+    Err(CliError::input("this program was built without Embree; build it with the feature `embree`"))
+}
+
+fn start_threads(threads: Option<u16>) -> Result<(), CliError> {
+    // 0: as many as the machine has.
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.unwrap_or(0).into())
+        .build_global()
+        .map_err(|error| CliError::machine(format!("threads cannot be started: {error}")))
+}
+
+fn scene_with_overrides(args: &RenderArgs) -> Result<Scene, CliError> {
+    let mut scene = read_scene(&args.scene)?;
+    scene.film.width = args.width.unwrap_or(scene.film.width);
+    scene.film.height = args.height.unwrap_or(scene.film.height);
+    scene.subsurface.method = args.method.unwrap_or(scene.subsurface.method);
+    scene.subsurface.profile = args.profile.unwrap_or(scene.subsurface.profile);
+    Ok(scene)
+}
+
+fn options(args: &RenderArgs, scene: &Scene) -> RenderOptions {
+    RenderOptions {
+        seed: args.seed,
+        method: scene.subsurface.method,
+        profile: scene.subsurface.profile,
+        max_depth: scene.render.max_depth,
+    }
+}
+
+/// The method in use: where the scene leaves it open, the area integral.
+fn method(scene: &Scene) -> &'static str {
+    match scene.subsurface.method {
+        Method::Auto => name_of(&Method::NAMES, &Method::Bssrdf),
+        chosen => name_of(&Method::NAMES, &chosen),
+    }
+}
+
+fn limits(args: &RenderArgs, scene: &Scene) -> Limits {
+    let only_the_scene_limits = args.spp.is_none() && args.time.is_none() && args.error.is_none();
+    Limits {
+        samples: if only_the_scene_limits { Some(scene.render.spp.into()) } else { args.spp },
+        seconds: args.time,
+        relative_error: args.error,
+    }
+}
+
+fn render_and_save<C: RayCaster>(args: &RenderArgs, renderer: &Renderer<C>) -> Result<(), CliError> {
+    let stop = Stop::on_signals()?;
+    let outcome = render(renderer, limits(args, renderer.scene()), &stop, args.quiet)?;
+    let report = Report::new(
+        &outcome.film,
+        &outcome.counters,
+        outcome.seconds,
+        method(renderer.scene()),
+        &args.output,
+    );
+    if report.samples == 0 && stop.interrupted() {
+        return Err(CliError::Interrupted("there was nothing to save yet".into()));
+    }
+    save(args, &outcome.film, &report)?;
+    report.print_warnings();
+    if args.json {
+        print_line(&report.json()?)?;
+    } else if !args.quiet {
+        say(&report.summary());
+    }
+    if stop.interrupted() {
+        let saved = format!("what was done, {} samples per pixel or more, is saved", report.spp);
+        return Err(CliError::Interrupted(saved));
+    }
+    Ok(())
+}
+
+/// Takes samples, pass after pass, until a limit is reached or a signal comes.
+fn render<C: RayCaster>(
+    renderer: &Renderer<C>,
+    limits: Limits,
+    stop: &Stop,
+    quiet: bool,
+) -> Result<Outcome, CliError> {
+    let settings = renderer.scene().film;
+    let mut film = Film::new(settings.width, settings.height)?;
+    let mut counters = Counters::default();
+    tracing::info!("rendering {} × {} pixels", film.width(), film.height());
+    let progress = Progress::start(limits, film.pixel_count(), quiet);
+    let mut status = Status { samples: 0, seconds: 0.0, relative_error: f64::INFINITY };
+    while let Some(pass) = limits.next_pass(&status) {
+        // The first pass is done whatever it takes, so that every pixel has a sample.
+        let deadline = limits.seconds.filter(|_| status.samples > 0).unwrap_or(f64::INFINITY);
+        let counted = film.accumulate(
+            status.samples..status.samples + pass,
+            |x, y, sample, counters: &mut Counters| renderer.sample(x, y, sample, counters),
+            |total, counters| total.merge(&counters),
+            &stop.now,
+            |added| {
+                progress.advance(added);
+                if progress.seconds() >= deadline {
+                    stop.now.store(true, Ordering::Relaxed);
+                }
+            },
+        );
+        counters.merge(&counted);
+        if stop.now.load(Ordering::Relaxed) {
+            break;
+        }
+        status = Status {
+            samples: status.samples + pass,
+            seconds: progress.seconds(),
+            relative_error: film.relative_error(),
+        };
+        progress.set_relative_error(status.relative_error);
+    }
+    progress.finish();
+    Ok(Outcome { film, counters, seconds: progress.seconds() })
+}
+
+fn save(args: &RenderArgs, film: &Film, report: &Report) -> Result<(), CliError> {
+    let picture = film.picture();
+    let layers = LayerChoice::layers(&args.aov);
+    let channels: Vec<Channel> = layers.into_iter().flat_map(|layer| film.layer(layer)).collect();
+    let attributes = attributes(args, report)?;
+    for path in &args.output {
+        let format = Format::of(path)?;
+        replace(path, |file| match format {
+            Format::Exr => exr::write(file, &picture, &channels, &attributes),
+            Format::Png => png::write(file, &picture, args.view.into(), args.exposure),
+        })?;
+    }
+    Ok(())
+}
+
+/// What stands in the header of an .exr: everything needed to make the picture again.
+fn attributes(args: &RenderArgs, report: &Report) -> Result<Vec<Attribute>, CliError> {
+    Ok(vec![
+        ("alabaster.version", env!("CARGO_PKG_VERSION").into()),
+        ("alabaster.commandLine", command_line()),
+        ("alabaster.scene", file_name(&args.scene)),
+        ("alabaster.seed", args.seed.to_string()),
+        ("alabaster.spp", report.spp.to_string()),
+        ("alabaster.seconds", report.seconds.to_string()),
+        ("alabaster.nonfinite", report.nonfinite.to_string()),
+        ("alabaster.report", report.json()?),
+    ])
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// The command line, arguments with blanks quoted.
+fn command_line() -> String {
+    let arguments = env::args_os().map(|argument| {
+        let text = argument.to_string_lossy().into_owned();
+        if text.is_empty() || text.contains(char::is_whitespace) { format!("{text:?}") } else { text }
+    });
+    arguments.collect::<Vec<_>>().join(" ")
+}

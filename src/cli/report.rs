@@ -1,0 +1,118 @@
+//! What a render did: for machines as JSON, for people in a line and warnings.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::console::say;
+use super::error::CliError;
+use super::progress::{duration, quantity};
+use crate::film::Film;
+use crate::film::accumulator::LARGEST;
+use crate::transport::{Counters, ProbeCounters};
+
+/// The object printed by `render --json`.
+#[derive(Debug, Serialize)]
+pub struct Report {
+    width: u32,
+    height: u32,
+    /// Seconds of rendering.
+    pub seconds: f64,
+    /// Samples of the pixel that has fewest.
+    pub spp: u64,
+    /// Samples over all pixels.
+    pub samples: u64,
+    samples_per_second: f64,
+    threads: usize,
+    backend: &'static str,
+    method: &'static str,
+    /// Samples that were not finite and added nothing.
+    pub nonfinite: u64,
+    clamped: u64,
+    rejected: u64,
+    capped_walks: u64,
+    probes: Probes,
+    /// `null` while unknown.
+    relative_error: Option<f64>,
+    firefly_index: f64,
+    outputs: Vec<PathBuf>,
+}
+
+#[derive(Debug, Serialize)]
+struct Probes {
+    cast: u64,
+    missed: u64,
+    hits: u64,
+    overflowed: u64,
+}
+
+impl Report {
+    /// The report of a render that took `seconds` to bring `film` to where it is.
+    pub fn new(
+        film: &Film,
+        counters: &Counters,
+        seconds: f64,
+        method: &'static str,
+        outputs: &[PathBuf],
+    ) -> Self {
+        let tally = film.tally();
+        let ProbeCounters { cast, missed, hits, overflowed, .. } = counters.probes;
+        Self {
+            width: film.width(),
+            height: film.height(),
+            seconds,
+            spp: tally.fewest,
+            samples: tally.taken,
+            samples_per_second: tally.taken as f64 / seconds.max(1e-9),
+            threads: rayon::current_num_threads(),
+            backend: "embree",
+            method,
+            nonfinite: tally.nonfinite,
+            clamped: tally.clamped,
+            rejected: counters.rejected,
+            capped_walks: counters.capped_paths,
+            probes: Probes { cast, missed, hits, overflowed },
+            relative_error: Some(film.relative_error()).filter(|error| error.is_finite()),
+            firefly_index: film.firefly_index(),
+            outputs: outputs.to_vec(),
+        }
+    }
+
+    /// As JSON.
+    pub fn json(&self) -> Result<String, CliError> {
+        serde_json::to_string(self)
+            .map_err(|error| CliError::machine(format!("the report cannot be written as JSON: {error}")))
+    }
+
+    /// In a line.
+    pub fn summary(&self) -> String {
+        let error = self.relative_error.map_or("unknown".into(), |error| format!("{error:.4}"));
+        format!(
+            "{} × {} pixels, {} spp in {} ({}samples/s), relative error {error}",
+            self.width,
+            self.height,
+            self.spp,
+            duration(self.seconds),
+            quantity(self.samples_per_second),
+        )
+    }
+
+    /// One line on standard error for each thing that makes the picture less than it should be.
+    pub fn print_warnings(&self) {
+        let warn = |count: u64, of: &str, what: String| {
+            if count > 0 {
+                say(&format!("warning: {count} {of} {what}"));
+            }
+        };
+        let light = "the picture lacks their light";
+        warn(self.nonfinite, "samples", format!("were not finite and were left black: {light}"));
+        warn(self.clamped, "samples", format!("were above {LARGEST:e} W/(m² sr) and were cut: {light}"));
+        warn(self.rejected, "directions", format!("could not be followed: {light}"));
+        warn(self.capped_walks, "paths", format!("were cut by the limit on their length: {light}"));
+        warn(
+            self.probes.overflowed,
+            "area integrals",
+            "found no point to leave by; their light leaves where it entered".into(),
+        );
+    }
+}

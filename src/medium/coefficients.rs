@@ -1,0 +1,35 @@
+//! Absorption and scattering coefficients, and the order-1 similarity that removes the phase function.
+
+use crate::radiometry::Rgb;
+
+/// A homogeneous scattering medium with a Henyey–Greenstein phase function.
+///
+/// Absorption and scattering are kept apart: 1 − albedo would lose its digits where a medium
+/// absorbs little.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Medium {
+    /// Absorption coefficient σ_a, 1/m.
+    pub sigma_a: Rgb,
+    /// Scattering coefficient σ_s, 1/m.
+    pub sigma_s: Rgb,
+    /// Mean cosine g of the phase function, in (−1, 1).
+    pub g: f32,
+}
+
+impl Medium {
+    /// Reduced scattering coefficient σ_s' = σ_s (1 − g), 1/m: isotropic scattering that spreads
+    /// light alike (van de Hulst 1980, similarity of order 1).
+    pub fn sigma_s_reduced(&self) -> Rgb {
+        self.sigma_s * (1.0 - self.g)
+    }
+
+    /// Reduced extinction coefficient σ_t' = σ_a + σ_s', 1/m.
+    pub fn sigma_t_reduced(&self) -> Rgb {
+        self.sigma_a + self.sigma_s_reduced()
+    }
+
+    /// The share absorbed at a collision of the reduced medium, σ_a/σ_t' = 1 − α'; 0 in vacuum.
+    pub fn absorbed_share_reduced(&self) -> Rgb {
+        self.sigma_a.zip(self.sigma_t_reduced(), |a, t| if t > 0.0 { a / t } else { 0.0 })
+    }
+}

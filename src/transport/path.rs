@@ -1,0 +1,446 @@
+//! The path tracer: one path from the camera, with direct light at every vertex.
+
+use glam::Vec3;
+
+use super::area_integral::{AreaIntegral, Channels, EntryPoint};
+use super::counters::Counters;
+use super::interiors::Interiors;
+use super::renderer::Renderer;
+use super::scatterer::Scattering;
+use super::shading::{Orientation, emitted, is_covered, resolve_bsdf};
+use super::world::{Substance, SurfacePoint};
+use crate::math::robust::offset_from_surface;
+use crate::math::{Frame, SampleStream};
+use crate::optics::Boundary;
+use crate::radiometry::Rgb;
+use crate::raycast::{Ray, RayCaster};
+use crate::scene::{Method, ScatteringInput};
+
+/// Sets of the sample stream by the place they are used at.
+pub(super) mod place {
+    /// Film and lens.
+    pub const CAMERA: u32 = 0;
+    /// First set of a bounce, and how many a bounce has.
+    pub const fn bounce(bounce: u32) -> u32 {
+        1 + bounce * 6
+    }
+    /// Lobe, direction, roulette.
+    pub const SCATTER: u32 = 0;
+    /// Direct light at the point hit.
+    pub const LIGHT: u32 = 1;
+    /// Where light came in (two sets).
+    pub const PROBE: u32 = 2;
+    /// Direction at the point of entry.
+    pub const ENTRY: u32 = 4;
+    /// Direct light at the point of entry.
+    pub const ENTRY_LIGHT: u32 = 5;
+    /// Partial coverage: beyond all bounces' sets of the low-discrepancy sequence.
+    pub const COVERAGE: u32 = 1 << 24;
+}
+
+/// Bounces before roulette may end a path.
+const ROULETTE_START: u32 = 3;
+
+/// Bounces after which a path is cut, where the scene sets no limit. Roulette ends paths long before;
+/// this holds light that total internal reflection and zero absorption keep for ever. It is counted.
+const LONGEST_PATH: u32 = 4096;
+
+/// Surfaces with partial coverage that one ray may pass.
+const MOST_PASSED: u32 = 256;
+
+/// The vertex a ray was scattered from, where direct light could have been drawn as well.
+#[derive(Clone, Copy)]
+struct Origin {
+    position: Vec3,
+    /// Density per solid angle of the direction taken.
+    density: f32,
+}
+
+/// Where a path goes on.
+struct Next {
+    origin: Vec3,
+    direction: Vec3,
+}
+
+/// A lobe's value (BSDF times cosine) and density in a direction.
+struct Response {
+    value: Rgb,
+    density: f32,
+}
+
+/// A path under construction.
+pub(super) struct Path<'a, C> {
+    renderer: &'a Renderer<C>,
+    stream: SampleStream,
+    counters: &'a mut Counters,
+    interiors: Interiors,
+    throughput: Rgb,
+    radiance: Rgb,
+    scattered_from: Option<Origin>,
+    bounce: u32,
+    passed: u32,
+}
+
+impl<'a, C: RayCaster> Path<'a, C> {
+    pub fn new(
+        renderer: &'a Renderer<C>,
+        stream: SampleStream,
+        interiors: Interiors,
+        counters: &'a mut Counters,
+    ) -> Self {
+        Self {
+            renderer,
+            stream,
+            counters,
+            interiors,
+            throughput: Rgb::ONE,
+            radiance: Rgb::ZERO,
+            scattered_from: None,
+            bounce: 0,
+            passed: 0,
+        }
+    }
+
+    /// Radiance that arrives at `origin` against unit `direction`, W/(m² sr).
+    pub fn radiance(mut self, origin: Vec3, direction: Vec3) -> Rgb {
+        let mut next = Next { origin, direction };
+        while let Some(after) = self.step(&next) {
+            next = after;
+        }
+        self.radiance
+    }
+
+    /// Follows one ray; `None` where the path ends.
+    fn step(&mut self, from: &Next) -> Option<Next> {
+        let world = &self.renderer.world;
+        self.counters.rays += 1;
+        let Some(hit) = world.caster().closest(&Ray::new(from.origin, from.direction)) else {
+            self.add_environment(from.direction);
+            return None;
+        };
+        let surface = world.surface(&hit);
+        if let Some(inside) = self.interiors.current() {
+            let distance = surface.position.distance(from.origin);
+            self.throughput *= inside.sigma_a.map(|s| (-s * distance).exp());
+        }
+        let material = match world.substance(hit.instance) {
+            Substance::Light(light) => {
+                let radiance = emitted(&world.scene().lights[light], &surface, from.direction);
+                self.add_emission(radiance, &surface, from.direction);
+                return None;
+            }
+            Substance::Material(material) => material,
+        };
+        if world.has_partial_coverage() && !self.covers(material, &surface) {
+            let origin = leave(&surface, from.direction);
+            return Some(Next { origin, direction: from.direction });
+        }
+        self.add_material_emission(material, &surface, from.direction);
+        let limit = match self.renderer.options.max_depth {
+            0 => LONGEST_PATH,
+            depth => depth.min(LONGEST_PATH),
+        };
+        if self.bounce >= limit {
+            self.counters.capped_paths += 1;
+            return None;
+        }
+        let next = if self.renderer.scatterers[material].is_some() {
+            self.scatter_translucent(material, &surface, -from.direction)
+        } else {
+            self.scatter_bsdf(material, &surface, -from.direction)
+        }?;
+        self.survives_roulette().then_some(next)
+    }
+
+    fn set(&self, place: u32) -> u32 {
+        place::bounce(self.bounce) + place
+    }
+
+    /// Ends paths that carry little, so that the rest carry as much more.
+    fn survives_roulette(&mut self) -> bool {
+        let carried = self.throughput.max_component();
+        let u = self.stream.quad(self.set(place::SCATTER))[3];
+        self.bounce += 1;
+        if !(carried > 0.0 && carried.is_finite()) {
+            return false;
+        }
+        if self.bounce < ROULETTE_START || carried >= 1.0 {
+            return true;
+        }
+        self.throughput *= 1.0 / carried;
+        u < carried
+    }
+
+    fn covers(&mut self, material: usize, surface: &SurfacePoint) -> bool {
+        self.passed += 1;
+        if self.passed > MOST_PASSED {
+            return true;
+        }
+        let u = self.stream.quad(place::COVERAGE + self.passed)[0];
+        let scene = self.renderer.world.scene();
+        is_covered(scene, material, surface, u)
+    }
+
+    /// Weight of light found by a scattered ray against the same light drawn directly.
+    fn emission_weight(&self, light_density: impl FnOnce(&Origin) -> f32) -> f32 {
+        match &self.scattered_from {
+            None => 1.0,
+            Some(origin) => origin.density / (origin.density + light_density(origin)),
+        }
+    }
+
+    fn add_environment(&mut self, direction: Vec3) {
+        let Some(environment) = &self.renderer.world.scene().environment else { return };
+        let lights = &self.renderer.lights;
+        let weight = self.emission_weight(|_| lights.environment_density(environment, direction));
+        self.radiance += self.throughput * environment.radiance(direction) * weight;
+    }
+
+    fn add_emission(&mut self, radiance: Rgb, surface: &SurfacePoint, direction: Vec3) {
+        if radiance.is_black() {
+            return;
+        }
+        let Renderer { world, lights, .. } = self.renderer;
+        let weight = self.emission_weight(|origin| {
+            let distance = origin.position.distance(surface.position);
+            lights.density(world, origin.position, direction, distance, surface)
+        });
+        self.radiance += self.throughput * radiance * weight;
+    }
+
+    fn add_material_emission(&mut self, material: usize, surface: &SurfacePoint, direction: Vec3) {
+        let scene = self.renderer.world.scene();
+        let material = &scene.materials[material];
+        let faces = material.double_sided || direction.dot(surface.geometric_normal) < 0.0;
+        if faces && !material.emission.factor.is_black() {
+            let radiance = scene.color(&material.emission, surface.texture_coordinates, surface.color);
+            self.add_emission(radiance, surface, direction);
+        }
+    }
+
+    /// Light drawn directly at `surface`, through a lobe given by `response`.
+    fn add_direct(&mut self, place: u32, surface: &SurfacePoint, response: impl Fn(Vec3) -> Response) {
+        let [u0, u1, u2, _] = self.stream.quad(self.set(place));
+        let Renderer { world, lights, .. } = self.renderer;
+        let Some(light) = lights.sample(world, surface.position, [u0, u1, u2]) else { return };
+        let Response { value, density } = response(light.direction);
+        if value.is_black() {
+            return;
+        }
+        let weight = light.density.map_or(1.0, |d| d / (d + density));
+        let contribution = self.throughput * value * light.value * weight;
+        if !contribution.is_finite() {
+            self.counters.rejected += 1;
+            return;
+        }
+        let origin = leave(surface, light.direction);
+        let arrives = self.transmittance(origin, light.direction, light.distance);
+        self.radiance += contribution * arrives;
+    }
+
+    /// Share of light that arrives unscattered over `distance`.
+    fn transmittance(&mut self, origin: Vec3, direction: Vec3, distance: f32) -> Rgb {
+        let world = &self.renderer.world;
+        // Short of the light, whose own surface would occlude it.
+        let mut ray = Ray { origin, direction, t_max: distance * (1.0 - 1e-4) };
+        self.counters.rays += 1;
+        if !world.has_partial_coverage() {
+            if world.caster().occluded(&ray) {
+                return Rgb::ZERO;
+            }
+        } else {
+            let end = origin + direction * ray.t_max;
+            while let Some(hit) = world.caster().closest(&ray) {
+                let surface = world.surface(&hit);
+                let Substance::Material(material) = world.substance(hit.instance) else { return Rgb::ZERO };
+                if self.covers(material, &surface) {
+                    return Rgb::ZERO;
+                }
+                ray.origin = leave(&surface, direction);
+                if distance.is_finite() {
+                    ray.t_max = (end - ray.origin).dot(direction);
+                }
+            }
+        }
+        match self.interiors.current() {
+            Some(inside) => inside.sigma_a.map(|s| if s > 0.0 { (-s * distance).exp() } else { 1.0 }),
+            None => Rgb::ONE,
+        }
+    }
+
+    /// Scatters at a surface that acts where it is hit.
+    fn scatter_bsdf(&mut self, material: usize, surface: &SurfacePoint, wo: Vec3) -> Option<Next> {
+        let world = &self.renderer.world;
+        let around = self.interiors.ior_around(surface.instance);
+        let bsdf = resolve_bsdf(world.scene(), material, surface, around);
+        // Only the boundary of a body knows inside from outside.
+        let two_sided = world.interior(surface.instance).is_none();
+        let mut orientation = Orientation::new(world.scene(), material, surface, wo, two_sided);
+        let frame = Frame::from_normal(orientation.shading);
+        let local_wo = frame.to_local(wo);
+        if !bsdf.is_delta_only() {
+            self.add_direct(place::LIGHT, surface, |wi| {
+                if !orientation.agree(wi) {
+                    return Response { value: Rgb::ZERO, density: 0.0 };
+                }
+                let local = frame.to_local(wi);
+                Response { value: bsdf.evaluate(local_wo, local), density: bsdf.density(local_wo, local) }
+            });
+        }
+        let [lobe, u, v, _] = self.stream.quad(self.set(place::SCATTER));
+        let mut sample = bsdf.sample(local_wo, [u, v, lobe])?;
+        let mut direction = frame.to_world(sample.direction);
+        if !orientation.agree(direction) && sample.delta {
+            // The interpolated normal sends light through the wrong side: use the triangle's own.
+            orientation.shading = orientation.geometric;
+            let frame = Frame::from_normal(orientation.geometric);
+            sample = bsdf.sample(frame.to_local(wo), [u, v, lobe])?;
+            direction = frame.to_world(sample.direction);
+        }
+        if !orientation.agree(direction) {
+            self.counters.rejected += 1;
+            return None;
+        }
+        self.throughput *= sample.weight;
+        self.scattered_from = (!sample.delta)
+            .then_some(Origin { position: surface.position, density: sample.density });
+        if sample.crosses_boundary {
+            let interior = world.interior(surface.instance);
+            match interior {
+                Some(interior) if wo.dot(surface.geometric_normal) > 0.0 => self.interiors.enter(interior),
+                _ => self.interiors.leave(surface.instance),
+            }
+        }
+        Some(Next { origin: leave(surface, direction), direction })
+    }
+
+    /// At a translucent body light is reflected by the boundary, or comes from under the surface.
+    fn scatter_translucent(&mut self, material: usize, surface: &SurfacePoint, wo: Vec3) -> Option<Next> {
+        let scene = self.renderer.world.scene();
+        let orientation = Orientation::new(scene, material, surface, wo, true);
+        let scattering = self.scattering(material, surface)?;
+        let boundary = scattering.boundary;
+        let frame = Frame::from_normal(orientation.shading);
+        let local_wo = frame.to_local(wo);
+        if !boundary.is_smooth() {
+            self.add_direct(place::LIGHT, surface, |wi| {
+                if wi.dot(orientation.geometric) <= 0.0 {
+                    return Response { value: Rgb::ZERO, density: 0.0 };
+                }
+                let value = boundary.evaluate_reflection(local_wo, frame.to_local(wi));
+                Response { value: Rgb::splat(value), density: value }
+            });
+        }
+        // A reflection is drawn and kept with its weight as probability, so that the share E is
+        // reflected and 1 − E enters, both with weight 1, and the density of a direction kept is the lobe's value.
+        let [lobe, u, v, _] = self.stream.quad(self.set(place::SCATTER));
+        let Some(sample) = boundary.sample_reflection(local_wo, [u, v]).filter(|s| lobe < s.weight) else {
+            return self.scatter_below(material, surface, &orientation, &scattering);
+        };
+        let mut direction = frame.to_world(sample.direction);
+        let height = direction.dot(orientation.geometric);
+        if height <= 0.0 {
+            // Below the surface by the interpolated normal only: mirror it up, losing nothing.
+            direction -= orientation.geometric * (2.0 * height);
+        }
+        self.scattered_from = (!boundary.is_smooth())
+            .then_some(Origin { position: surface.position, density: sample.density * sample.weight });
+        Some(Next { origin: leave(surface, direction), direction })
+    }
+
+    fn scattering(&self, material: usize, surface: &SurfacePoint) -> Option<Scattering<'a>> {
+        let Renderer { world, scatterers, .. } = self.renderer;
+        let around = self.interiors.current().map_or(1.0, |i| i.ior);
+        Some(scatterers[material].as_ref()?.at(around, world.diameter(surface.instance), |input| {
+            match input {
+                ScatteringInput::Albedo { albedo, .. } => {
+                    world.scene().color(albedo, surface.texture_coordinates, surface.color)
+                }
+                ScatteringInput::Coefficients { .. } => Rgb::ZERO,
+            }
+        }))
+    }
+
+    /// The area integral: finds where the light came in, and follows it from there.
+    fn scatter_below(
+        &mut self,
+        material: usize,
+        surface: &SurfacePoint,
+        orientation: &Orientation,
+        scattering: &Scattering,
+    ) -> Option<Next> {
+        self.throughput *= scattering.albedo;
+        if self.throughput.is_black() {
+            return None;
+        }
+        let renderer = self.renderer;
+        let world = &renderer.world;
+        let mut entry = EntryPoint { hit: None, weight: Rgb::ONE };
+        if renderer.options.method != Method::Diffuse {
+            let integral = AreaIntegral {
+                caster: world.caster(),
+                geometric_normal: |hit: &_| world.geometric_normal(hit),
+                instance: surface.instance,
+                spread: &scattering.spread,
+                channels: Channels::of(self.throughput),
+                position: surface.position,
+                position_error: surface.error.max_element(),
+                normal: orientation.geometric,
+            };
+            self.counters.area_integrals += 1;
+            entry =
+                integral.sample(&self.stream, self.set(place::PROBE), &mut self.counters.probes);
+        }
+        self.throughput *= entry.weight;
+        let Some(hit) = entry.hit else {
+            return Some(self.enter(surface, orientation, scattering.boundary));
+        };
+        let point = world.surface(&hit);
+        let orientation = Orientation::on_side(world.scene(), material, &point, orientation.flipped);
+        self.interiors = match world.has_interiors() {
+            true => world.interiors_at(leave(&point, orientation.geometric), orientation.geometric),
+            false => self.interiors,
+        };
+        let scattering = self.scattering(material, &point)?;
+        Some(self.enter(&point, &orientation, scattering.boundary))
+    }
+
+    /// Light enters a translucent body at `point` by the normalised lobe S_w.
+    fn enter(&mut self, point: &SurfacePoint, orientation: &Orientation, boundary: &Boundary) -> Next {
+        let respond = |wi: Vec3| entry_response(boundary, orientation, wi);
+        self.add_direct(place::ENTRY_LIGHT, point, respond);
+        let [u, v, _, _] = self.stream.quad(self.set(place::ENTRY));
+        let mut direction = Frame::from_normal(orientation.shading).to_world(boundary.sample_exit([u, v]));
+        let height = direction.dot(orientation.geometric);
+        if height < 0.0 {
+            direction -= orientation.geometric * (2.0 * height);
+        }
+        let Response { value, density } = respond(direction);
+        self.throughput *= if density > 0.0 { value / density } else { Rgb::ZERO };
+        self.scattered_from = Some(Origin { position: point.position, density });
+        Next { origin: leave(point, direction), direction }
+    }
+}
+
+/// The lobe S_w cosθ around the shading normal, and the density that samples it. What
+/// of it lies below the triangle's plane is folded up through the plane, so that it keeps its integral.
+fn entry_response(boundary: &Boundary, orientation: &Orientation, wi: Vec3) -> Response {
+    let height = wi.dot(orientation.geometric);
+    if height <= 0.0 {
+        return Response { value: Rgb::ZERO, density: 0.0 };
+    }
+    let below = wi - orientation.geometric * (2.0 * height);
+    let (mut value, mut density) = (0.0, 0.0);
+    for cos in [wi.dot(orientation.shading), below.dot(orientation.shading)] {
+        if cos > 0.0 {
+            value += boundary.exit_lobe(cos) * cos;
+            density += boundary.exit_density(cos);
+        }
+    }
+    Response { value: Rgb::splat(value), density }
+}
+
+/// `surface`'s position moved off it, to the side of `direction`.
+fn leave(surface: &SurfacePoint, direction: Vec3) -> Vec3 {
+    offset_from_surface(surface.position, surface.error, surface.geometric_normal, direction)
+}

@@ -1,0 +1,152 @@
+//! A scene made ready to be sampled.
+
+use glam::Vec3;
+use thiserror::Error;
+
+use super::counters::Counters;
+use super::interiors::Interiors;
+use super::light_sampling::LightSampler;
+use super::path::{Path, place};
+use super::scatterer::Scatterer;
+use super::world::World;
+use crate::math::SampleStream;
+use crate::radiometry::Rgb;
+use crate::raycast::{Geometry, RayCaster, RaycastError};
+use crate::scene::camera::CameraRays;
+use crate::scene::{Method, ProfileChoice, Scene, ScatteringInput, Surface};
+
+/// What a render can be asked for beyond the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RenderOptions {
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// How light under the surface is computed.
+    pub method: Method,
+    /// Which diffusion profile.
+    pub profile: ProfileChoice,
+    /// Longest path in bounces; 0: no limit.
+    pub max_depth: u32,
+}
+
+/// Why a scene cannot be rendered.
+#[derive(Debug, Error)]
+pub enum RenderError {
+    /// The ray caster failed.
+    #[error(transparent)]
+    Raycast(#[from] RaycastError),
+    /// The option is known but not available.
+    #[error("{option} \"{value}\" is not available in this version; available: {available}")]
+    Unavailable {
+        /// Name of the option.
+        option: &'static str,
+        /// Value asked for.
+        value: String,
+        /// What could be asked for instead.
+        available: &'static str,
+    },
+}
+
+/// A scene made ready: every sample of every pixel is a pure function of (seed, pixel, sample).
+pub struct Renderer<C> {
+    pub(super) world: World<C>,
+    pub(super) lights: LightSampler,
+    /// By material.
+    pub(super) scatterers: Vec<Option<Scatterer>>,
+    pub(super) options: RenderOptions,
+    camera: CameraRays,
+    camera_interiors: Interiors,
+}
+
+impl<C: RayCaster> Renderer<C> {
+    /// Prepares `scene`; `build` makes the ray caster from its triangles.
+    pub fn new(
+        mut scene: Scene,
+        options: RenderOptions,
+        build: impl FnOnce(&Geometry) -> Result<C, RaycastError>,
+    ) -> Result<Self, RenderError> {
+        check(&options)?;
+        clear_bodies_without_scattering(&mut scene);
+        let camera = scene.camera.rays(scene.film.width as f32 / scene.film.height as f32);
+        let world = World::new(scene, build)?;
+        let scene = world.scene();
+        let lights = LightSampler::new(&world, radius(scene));
+        let scatterers = (0..scene.materials.len()).map(|m| Scatterer::new(scene, m)).collect();
+        // Upwards: any direction would do, and most scenes stand on a floor.
+        let camera_interiors = world.interiors_at(scene.camera.position, Vec3::new(0.02, 0.999_8, 0.005));
+        Ok(Self { world, lights, scatterers, options, camera, camera_interiors })
+    }
+
+    /// The scene, lights included as geometry.
+    pub fn scene(&self) -> &Scene {
+        self.world.scene()
+    }
+
+    /// The ray caster.
+    pub fn caster(&self) -> &C {
+        self.world.caster()
+    }
+
+    /// Radiance, W/(m² sr), that sample number `sample` of pixel (`x`, `y`) brings to the film.
+    pub fn sample(&self, x: u32, y: u32, sample: u64, counters: &mut Counters) -> Rgb {
+        let film = self.scene().film;
+        let pixel = u64::from(y) * u64::from(film.width) + u64::from(x);
+        let stream = SampleStream::new(self.options.seed, pixel, sample);
+        let [u, v, lens_u, lens_v] = stream.quad(place::CAMERA);
+        let [dx, dy] = film.filter.sample([u, v]);
+        let on_film = [
+            (x as f32 + 0.5 + dx) / film.width as f32,
+            (y as f32 + 0.5 + dy) / film.height as f32,
+        ];
+        let ray = self.camera.ray(on_film, [lens_u, lens_v]);
+        Path::new(self, stream, self.camera_interiors, counters).radiance(ray.origin, ray.direction)
+    }
+}
+
+fn check(options: &RenderOptions) -> Result<(), RenderError> {
+    if options.method == Method::Walk {
+        return Err(RenderError::Unavailable {
+            option: "method",
+            value: "walk".into(),
+            available: "auto, bssrdf, diffuse",
+        });
+    }
+    if !matches!(options.profile, ProfileChoice::Auto | ProfileChoice::NormalizedDiffusion) {
+        return Err(RenderError::Unavailable {
+            option: "profile",
+            value: options.profile.name().into(),
+            available: "auto, normalized-diffusion",
+        });
+    }
+    Ok(())
+}
+
+/// A translucent body in which nothing scatters is a clear one: paths go through it.
+fn clear_bodies_without_scattering(scene: &mut Scene) {
+    for material in &mut scene.materials {
+        let Surface::Translucent { ior, roughness, medium } = &material.surface else { continue };
+        let ScatteringInput::Coefficients { sigma_a, sigma_s, .. } = medium else { continue };
+        if sigma_s.is_black() {
+            material.surface = Surface::Dielectric {
+                ior: *ior,
+                abbe: None,
+                roughness: crate::scene::ScalarInput::constant(*roughness),
+                sigma_a: *sigma_a,
+                tint: crate::scene::ColorInput::constant(Rgb::ONE),
+            };
+        }
+    }
+}
+
+/// Radius of a sphere around all geometry, m.
+fn radius(scene: &Scene) -> f32 {
+    let mut low = Vec3::INFINITY;
+    let mut high = Vec3::NEG_INFINITY;
+    for instance in &scene.instances {
+        for position in &scene.meshes[instance.mesh].positions {
+            let p = instance.transform.transform_point3(*position);
+            low = low.min(p);
+            high = high.max(p);
+        }
+    }
+    if low.x <= high.x { 0.5 * (high - low).length() } else { 1.0 }
+}

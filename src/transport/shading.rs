@@ -1,0 +1,119 @@
+//! Materials resolved at a point: textures looked up, normals oriented.
+
+use glam::{Vec3, Vec4Swizzles};
+
+use super::world::SurfacePoint;
+use crate::optics::{Bsdf, Dielectric, Metal, MetallicRoughness};
+use crate::radiometry::Rgb;
+use crate::scene::material::Coverage;
+use crate::scene::{Light, Scene, Surface};
+
+/// The normals of a point, turned to the side that counts as outside.
+#[derive(Clone, Copy, Debug)]
+pub struct Orientation {
+    /// Unit normal of the triangle.
+    pub geometric: Vec3,
+    /// Unit shading normal, on the side of the geometric one.
+    pub shading: Vec3,
+    /// The outside is where the triangle's winding says inside.
+    pub flipped: bool,
+}
+
+impl Orientation {
+    /// For light that leaves along `wo`. If `toward_viewer`, the side of `wo` is the outside; else the
+    /// winding decides.
+    pub fn new(
+        scene: &Scene,
+        material: usize,
+        surface: &SurfacePoint,
+        wo: Vec3,
+        toward_viewer: bool,
+    ) -> Self {
+        let flipped = toward_viewer && wo.dot(surface.geometric_normal) < 0.0;
+        let mut orientation = Self::on_side(scene, material, surface, flipped);
+        if !orientation.agree(wo) {
+            // Seen from a side that only the interpolated normal calls the back.
+            orientation.shading = orientation.geometric;
+        }
+        orientation
+    }
+
+    /// With the outside as the winding says, or the other side if `flipped`.
+    pub fn on_side(scene: &Scene, material: usize, surface: &SurfacePoint, flipped: bool) -> Self {
+        let sign = if flipped { -1.0 } else { 1.0 };
+        let shading = mapped_normal(scene, material, surface);
+        Self { geometric: surface.geometric_normal * sign, shading: shading * sign, flipped }
+    }
+
+    /// True if both normals see `direction` on the same side.
+    pub fn agree(&self, direction: Vec3) -> bool {
+        direction.dot(self.geometric) * direction.dot(self.shading) > 0.0
+    }
+}
+
+/// The shading normal with the material's normal map applied, on the side of the geometric normal.
+fn mapped_normal(scene: &Scene, material: usize, surface: &SurfacePoint) -> Vec3 {
+    let Some((texture, scale)) = scene.materials[material].normal_map else { return surface.shading_normal };
+    let normal = surface.shading_normal;
+    let tangent = surface.tangent.xyz();
+    let tangent = (tangent - normal * normal.dot(tangent)).normalize_or_zero();
+    if tangent == Vec3::ZERO {
+        return normal;
+    }
+    let bitangent = normal.cross(tangent) * surface.tangent.w;
+    let texel = scene.texture(texture, surface.texture_coordinates);
+    let [x, y, z] = [0, 1, 2].map(|c| 2.0 * texel[c] - 1.0);
+    let mapped = (tangent * (x * scale) + bitangent * (y * scale) + normal * z).normalize_or(normal);
+    if mapped.dot(surface.geometric_normal) > 0.0 { mapped } else { normal }
+}
+
+/// True if the surface is there, decided by `u` where it is there in part.
+pub fn is_covered(scene: &Scene, material: usize, surface: &SurfacePoint, u: f32) -> bool {
+    let alpha = |input| scene.scalar(input, surface.texture_coordinates, surface.color);
+    match &scene.materials[material].coverage {
+        Coverage::Full => true,
+        Coverage::Mask { alpha: input, cutoff } => alpha(input) >= *cutoff,
+        Coverage::Blend { alpha: input } => u < alpha(input),
+    }
+}
+
+/// Radiance that `light` sends from `surface` against `direction`.
+pub fn emitted(light: &Light, surface: &SurfacePoint, direction: Vec3) -> Rgb {
+    if direction.dot(surface.geometric_normal) >= 0.0 {
+        return Rgb::ZERO;
+    }
+    match light {
+        Light::Quad { radiance, .. } | Light::Disk { radiance, .. } | Light::Sphere { radiance, .. } => *radiance,
+        Light::Point { .. } | Light::Spot { .. } | Light::Directional { .. } => Rgb::ZERO,
+    }
+}
+
+/// The BSDF at a point of a body surrounded by index `ior_around`.
+pub fn resolve_bsdf(scene: &Scene, material: usize, surface: &SurfacePoint, ior_around: f32) -> Bsdf {
+    let color = |input| scene.color(input, surface.texture_coordinates, surface.color);
+    let share = |input| scene.scalar(input, surface.texture_coordinates, surface.color).clamp(0.0, 1.0);
+    let reflectance = |input| color(input).map(|x: f32| x.clamp(0.0, 1.0));
+    match &scene.materials[material].surface {
+        Surface::Diffuse { reflectance: input } => Bsdf::Diffuse { reflectance: reflectance(input) },
+        Surface::Metal { reflectance: input, roughness } => {
+            Bsdf::Metal(Metal { reflectance_normal: reflectance(input), alpha: share(roughness).powi(2) })
+        }
+        Surface::Dielectric { ior, roughness, tint, .. } => Bsdf::Dielectric(Dielectric {
+            eta: ior / ior_around,
+            alpha: share(roughness).powi(2),
+            tint: reflectance(tint),
+        }),
+        Surface::MetallicRoughness(m) => Bsdf::MetallicRoughness(MetallicRoughness {
+            base_color: reflectance(&m.base_color),
+            metallic: share(&m.metallic),
+            alpha: share(&m.roughness).powi(2),
+            eta: m.ior / ior_around,
+            transmission: share(&m.transmission),
+            diffuse_transmission: share(&m.diffuse_transmission),
+            diffuse_transmission_color: reflectance(&m.diffuse_transmission_color),
+            thin: m.thin,
+        }),
+        // Translucent surfaces act through the area integral.
+        Surface::Translucent { .. } => Bsdf::Diffuse { reflectance: Rgb::ZERO },
+    }
+}

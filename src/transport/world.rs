@@ -1,0 +1,310 @@
+//! The scene as rays meet it: geometry baked and handed to the ray caster, hits turned into points.
+
+use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec4};
+
+use crate::math::robust::interpolation_error;
+use crate::raycast::{Geometry, Hit, MeshInstance, Ray, RayCaster, RaycastError, TriangleMesh};
+use crate::scene::material::Coverage;
+use crate::scene::shape::light_mesh;
+use crate::scene::{Instance, Scene, Surface};
+
+use super::interiors::{Interior, Interiors};
+
+/// What an instance is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Substance {
+    /// Index into the scene's materials.
+    Material(usize),
+    /// Index into the scene's lights.
+    Light(usize),
+}
+
+/// A point on a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    /// Position, m.
+    pub position: Vec3,
+    /// Bound on the absolute error of each coordinate.
+    pub error: Vec3,
+    /// Unit normal of the triangle, outward by its winding.
+    pub geometric_normal: Vec3,
+    /// Unit interpolated normal, on the side of the geometric one.
+    pub shading_normal: Vec3,
+    /// Unit tangent and the sign of the bitangent; zero if the mesh has none.
+    pub tangent: Vec4,
+    /// Both sets of texture coordinates.
+    pub texture_coordinates: [Vec2; 2],
+    /// Vertex colour, linear RGBA.
+    pub color: Vec4,
+    /// Instance that was hit.
+    pub instance: u32,
+}
+
+/// Scene and ray caster.
+pub struct World<C> {
+    scene: Scene,
+    substances: Vec<Substance>,
+    /// World-space diameter of each instance's bounding box, m.
+    diameters: Vec<f32>,
+    caster: C,
+    /// Some boundary lets paths inside, so that where a path is has to be tracked.
+    has_interiors: bool,
+    has_partial_coverage: bool,
+}
+
+impl<C: RayCaster> World<C> {
+    /// Bakes `scene` and builds the ray caster with `build`.
+    pub fn new(
+        mut scene: Scene,
+        build: impl FnOnce(&Geometry) -> Result<C, RaycastError>,
+    ) -> Result<Self, RaycastError> {
+        let mut substances: Vec<_> = scene.instances.iter().map(|i| Substance::Material(i.material)).collect();
+        add_lights(&mut scene, &mut substances);
+        bake(&mut scene);
+        let diameters = scene.instances.iter().map(|i| diameter(&scene, i)).collect();
+        let caster = {
+            let meshes: Vec<_> = scene
+                .meshes
+                .iter()
+                .map(|m| TriangleMesh { positions: &m.positions, triangles: &m.triangles })
+                .collect();
+            let instances: Vec<_> = scene
+                .instances
+                .iter()
+                .zip(&substances)
+                .map(|(instance, substance)| MeshInstance {
+                    mesh: instance.mesh,
+                    transform: instance.transform,
+                    probed: scatters(&scene, *substance),
+                })
+                .collect();
+            build(&Geometry { meshes: &meshes, instances: &instances })?
+        };
+        let lets_inside =
+            |s: &&Substance| matches!(s, Substance::Material(m) if interior_of(&scene, *m).is_some());
+        let has_interiors = substances.iter().any(|s| lets_inside(&s));
+        let has_partial_coverage = scene.materials.iter().any(|m| m.coverage != Coverage::Full);
+        Ok(Self { scene, substances, diameters, caster, has_interiors, has_partial_coverage })
+    }
+
+    /// The scene, with geometry in world space where it is used once.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The ray caster.
+    pub fn caster(&self) -> &C {
+        &self.caster
+    }
+
+    /// What `instance` is made of.
+    pub fn substance(&self, instance: u32) -> Substance {
+        self.substances[instance as usize]
+    }
+
+    /// Instances and what they are made of.
+    pub fn substances(&self) -> &[Substance] {
+        &self.substances
+    }
+
+    /// Diameter of the bounding box of `instance`: no two of its points are farther apart, m.
+    pub fn diameter(&self, instance: u32) -> f32 {
+        self.diameters[instance as usize]
+    }
+
+    /// True if some body lets paths inside.
+    pub fn has_interiors(&self) -> bool {
+        self.has_interiors
+    }
+
+    /// True if some material is not everywhere there.
+    pub fn has_partial_coverage(&self) -> bool {
+        self.has_partial_coverage
+    }
+
+    /// World-space corners of a triangle, in the winding that makes its normal point outward.
+    pub fn triangle(&self, instance: u32, primitive: u32) -> [Vec3; 3] {
+        let instance = &self.scene.instances[instance as usize];
+        let mesh = &self.scene.meshes[instance.mesh];
+        let [a, b, c] =
+            mesh.triangles[primitive as usize].map(|v| place(&instance.transform, mesh.positions[v as usize]));
+        if mirrors(&instance.transform) { [a, c, b] } else { [a, b, c] }
+    }
+
+    /// Unit outward normal of the triangle that was hit.
+    pub fn geometric_normal(&self, hit: &Hit) -> Vec3 {
+        let [a, b, c] = self.triangle(hit.instance, hit.primitive);
+        // In double precision, so that slivers keep a normal.
+        (b - a).as_dvec3().cross((c - a).as_dvec3()).normalize_or(glam::DVec3::Z).as_vec3()
+    }
+
+    /// The point that was hit.
+    pub fn surface(&self, hit: &Hit) -> SurfacePoint {
+        let instance = &self.scene.instances[hit.instance as usize];
+        let mesh = &self.scene.meshes[instance.mesh];
+        let [i, j, k] = mesh.triangles[hit.primitive as usize].map(|v| v as usize);
+        let (u, v) = (hit.u, hit.v);
+        let w = 1.0 - u - v;
+        let transform = &instance.transform;
+        let [a, b, c] = [i, j, k].map(|n| place(transform, mesh.positions[n]));
+        let geometric_normal = self.geometric_normal(hit);
+        let mut shading_normal = geometric_normal;
+        if !mesh.normals.is_empty() {
+            let local = mesh.normals[i] * w + mesh.normals[j] * u + mesh.normals[k] * v;
+            let normal = place_normal(transform, local).normalize_or(geometric_normal);
+            shading_normal = if normal.dot(geometric_normal) < 0.0 { -normal } else { normal };
+        }
+        let mut tangent = Vec4::ZERO;
+        if !mesh.tangents.is_empty() {
+            let t = mesh.tangents[i] * w + mesh.tangents[j] * u + mesh.tangents[k] * v;
+            tangent = place_vector(transform, t.truncate()).extend(mesh.tangents[i].w);
+        }
+        let texture_coordinates = mesh.texture_coordinates.each_ref().map(|set| {
+            if set.is_empty() { Vec2::ZERO } else { set[i] * w + set[j] * u + set[k] * v }
+        });
+        let color = if mesh.colors.is_empty() {
+            Vec4::ONE
+        } else {
+            mesh.colors[i] * w + mesh.colors[j] * u + mesh.colors[k] * v
+        };
+        SurfacePoint {
+            position: a * w + b * u + c * v,
+            error: interpolation_error(a, b, c),
+            geometric_normal,
+            shading_normal,
+            tangent,
+            texture_coordinates,
+            color,
+            instance: hit.instance,
+        }
+    }
+
+    /// The bodies that a point is inside of, found by following a ray from it to infinity: a closed body
+    /// encloses the point if its first crossing leads out of it.
+    pub fn interiors_at(&self, origin: Vec3, direction: Vec3) -> Interiors {
+        let mut interiors = Interiors::default();
+        if !self.has_interiors {
+            return interiors;
+        }
+        let mut seen: Vec<u32> = Vec::new();
+        let mut left: Vec<Interior> = Vec::new();
+        let mut ray = Ray::new(origin, direction);
+        // Far more sheets than nested bodies have; a bound so that no geometry can hold the program.
+        for _ in 0..256 {
+            let Some(hit) = self.caster.closest(&ray) else { break };
+            if !seen.contains(&hit.instance) {
+                seen.push(hit.instance);
+                let leaves = self.geometric_normal(&hit).dot(direction) > 0.0;
+                if let (true, Some(interior)) = (leaves, self.interior(hit.instance)) {
+                    left.push(interior);
+                }
+            }
+            let point = self.surface(&hit);
+            ray.origin = crate::math::robust::offset_from_surface(
+                point.position,
+                point.error,
+                point.geometric_normal,
+                direction,
+            );
+        }
+        for interior in left.into_iter().rev() {
+            interiors.enter(interior);
+        }
+        interiors
+    }
+
+    /// What is inside `instance`, if paths go there.
+    pub fn interior(&self, instance: u32) -> Option<Interior> {
+        match self.substance(instance) {
+            Substance::Material(m) => {
+                interior_of(&self.scene, m).map(|(ior, sigma_a)| Interior { instance, ior, sigma_a })
+            }
+            Substance::Light(_) => None,
+        }
+    }
+}
+
+/// Index and absorption inside bodies of a material whose boundary lets paths in.
+fn interior_of(scene: &Scene, material: usize) -> Option<(f32, crate::radiometry::Rgb)> {
+    match &scene.materials[material].surface {
+        Surface::Dielectric { ior, sigma_a, .. } => Some((*ior, *sigma_a)),
+        Surface::MetallicRoughness(m)
+            if !m.thin && (m.transmission.factor > 0.0 || m.transmission.texture.is_some()) =>
+        {
+            Some((m.ior, m.sigma_a))
+        }
+        _ => None,
+    }
+}
+
+fn scatters(scene: &Scene, substance: Substance) -> bool {
+    matches!(substance, Substance::Material(m) if matches!(scene.materials[m].surface, Surface::Translucent { .. }))
+}
+
+/// Gives every light that has a size a mesh, so that rays meet it.
+fn add_lights(scene: &mut Scene, substances: &mut Vec<Substance>) {
+    for (index, light) in scene.lights.iter().enumerate() {
+        let Some(mesh) = light_mesh(light) else { continue };
+        scene.instances.push(Instance {
+            name: format!("light {index}"),
+            mesh: scene.meshes.len(),
+            // Not looked at: a light's substance is the light.
+            material: 0,
+            transform: Affine3A::IDENTITY,
+        });
+        scene.meshes.push(mesh);
+        substances.push(Substance::Light(index));
+    }
+}
+
+/// Transforms meshes that are placed once into world space, so that no ray has to.
+fn bake(scene: &mut Scene) {
+    let mut uses = vec![0_u32; scene.meshes.len()];
+    for instance in &scene.instances {
+        uses[instance.mesh] += 1;
+    }
+    for instance in &mut scene.instances {
+        let transform = instance.transform;
+        if uses[instance.mesh] != 1 || transform == Affine3A::IDENTITY {
+            continue;
+        }
+        let mesh = &mut scene.meshes[instance.mesh];
+        mesh.positions.iter_mut().for_each(|p| *p = place(&transform, *p));
+        mesh.normals.iter_mut().for_each(|n| *n = place_normal(&transform, *n).normalize_or_zero());
+        mesh.tangents.iter_mut().for_each(|t| *t = place_vector(&transform, t.truncate()).extend(t.w));
+        if mirrors(&transform) {
+            mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        }
+        instance.transform = Affine3A::IDENTITY;
+    }
+}
+
+fn diameter(scene: &Scene, instance: &Instance) -> f32 {
+    let positions = scene.meshes[instance.mesh].positions.iter().map(|p| place(&instance.transform, *p));
+    let (low, high) = positions
+        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+    if low.x <= high.x { (high - low).length() } else { 0.0 }
+}
+
+fn mirrors(transform: &Affine3A) -> bool {
+    transform.matrix3.determinant() < 0.0
+}
+
+fn place(transform: &Affine3A, point: Vec3) -> Vec3 {
+    if *transform == Affine3A::IDENTITY { point } else { transform.transform_point3(point) }
+}
+
+fn place_vector(transform: &Affine3A, vector: Vec3) -> Vec3 {
+    transform.transform_vector3(vector).normalize_or_zero()
+}
+
+/// Normals go with the inverse transpose, here the cofactors, which exist for every matrix; the sign of
+/// the determinant keeps them outward under mirroring.
+fn place_normal(transform: &Affine3A, normal: Vec3) -> Vec3 {
+    if *transform == Affine3A::IDENTITY {
+        return normal;
+    }
+    let m = transform.matrix3;
+    let cofactors = Mat3A::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
+    Vec3::from(cofactors * glam::Vec3A::from(normal)) * if mirrors(transform) { -1.0 } else { 1.0 }
+}

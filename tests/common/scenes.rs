@@ -1,0 +1,118 @@
+//! Scenes made in code, and statistics, for the tests.
+
+use alabaster::radiometry::Rgb;
+use alabaster::raycast::embree::EmbreeCaster;
+use alabaster::scene::{
+    Camera, ColorInput, Environment, FilmSettings, Filter, Instance, Material, Mesh, Method, ProfileChoice,
+    ScatteringInput, Scene, Surface, shape,
+};
+use alabaster::transport::{RenderOptions, Renderer};
+use glam::{Affine3A, Vec3};
+
+/// Mean and variance of a stream of numbers.
+#[derive(Default)]
+pub struct Statistics {
+    count: f64,
+    sum: f64,
+    squares: f64,
+    pub max: f64,
+}
+
+impl Statistics {
+    pub fn add(&mut self, x: f64) {
+        self.count += 1.0;
+        self.sum += x;
+        self.squares += x * x;
+        self.max = self.max.max(x);
+    }
+
+    pub fn mean(&self) -> f64 {
+        self.sum / self.count
+    }
+
+    /// Of the mean, for independent numbers.
+    pub fn standard_error(&self) -> f64 {
+        let mean = self.mean();
+        ((self.squares / self.count - mean * mean).max(0.0) / (self.count - 1.0)).sqrt()
+    }
+}
+
+/// A translucent material that absorbs nothing; the channels differ in mean free path.
+pub fn body(eta: f32, roughness: f32, free_path: f32) -> Material {
+    let sigma_s = Rgb::new(1.0, 0.8, 1.6) / free_path;
+    Material {
+        name: "body".into(),
+        surface: Surface::Translucent {
+            ior: eta,
+            roughness,
+            medium: ScatteringInput::Coefficients { sigma_a: Rgb::ZERO, sigma_s, g: 0.0 },
+        },
+        emission: ColorInput::constant(Rgb::ZERO),
+        ..Material::default()
+    }
+}
+
+/// One mesh in uniform light of radiance 1, filling most of the picture.
+pub fn furnace(mesh: Mesh, material: Material) -> Scene {
+    Scene {
+        camera: Camera {
+            position: Vec3::new(1.5, 2.5, 4.0),
+            vertical_fov: 25.0_f32.to_radians(),
+            ..Camera::default()
+        },
+        film: FilmSettings { width: 24, height: 24, filter: Filter::Box },
+        meshes: vec![mesh],
+        instances: vec![Instance {
+            name: "body".into(),
+            mesh: 0,
+            material: 0,
+            transform: Affine3A::IDENTITY,
+        }],
+        materials: vec![material],
+        environment: Some(Environment::Constant(Rgb::ONE)),
+        ..Scene::default()
+    }
+}
+
+pub fn options() -> RenderOptions {
+    RenderOptions { seed: 1, method: Method::Bssrdf, profile: ProfileChoice::Auto, max_depth: 0 }
+}
+
+pub fn renderer(scene: Scene) -> Renderer<EmbreeCaster> {
+    Renderer::new(scene, options(), |geometry| EmbreeCaster::new(geometry, 1)).unwrap()
+}
+
+/// Meshes joined into one.
+pub fn join(parts: impl IntoIterator<Item = Mesh>) -> Mesh {
+    let mut joined = Mesh::default();
+    for part in parts {
+        let first = joined.positions.len() as u32;
+        joined.positions.extend(&part.positions);
+        joined.normals.extend(&part.normals);
+        joined.triangles.extend(part.triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+    joined
+}
+
+/// A floor and a wall that meet in a concave corner, as one closed body (a prism over an L).
+pub fn l_shape() -> Mesh {
+    let outline = [[-1.0, -1.0], [1.0, -1.0], [1.0, -0.6], [-0.6, -0.6], [-0.6, 1.0], [-1.0, 1.0]];
+    let mut mesh = Mesh::default();
+    for z in [-1.0, 1.0] {
+        mesh.positions.extend(outline.map(|[x, y]: [f32; 2]| Vec3::new(x, y, z)));
+    }
+    // Two quads make each cap.
+    for [a, b, c, d] in [[0, 1, 2, 3], [0, 3, 4, 5]] {
+        mesh.triangles.extend([[a, c, b], [a, d, c], [a + 6, b + 6, c + 6], [a + 6, c + 6, d + 6]]);
+    }
+    for i in 0..6 {
+        let j = (i + 1) % 6;
+        mesh.triangles.extend([[i, j, j + 6], [i, j + 6, i + 6]]);
+    }
+    mesh
+}
+
+/// Two slabs of one body with a gap of 0.1 between them.
+pub fn two_slabs() -> Mesh {
+    join([-0.25, 0.25].map(|y| shape::cuboid(Vec3::new(0.0, y, 0.0), Vec3::new(4.0, 0.4, 4.0))))
+}
