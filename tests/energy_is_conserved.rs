@@ -27,7 +27,10 @@ fn check(name: &str, mesh: alabaster::scene::Mesh, eta: f32, roughness: f32, fre
         }
     }
     let (mean, sigma) = (all.mean(), all.standard_error());
-    println!("{name:28} eta {eta:.3} roughness {roughness} free path {free_path}: {mean:.5} ± {sigma:.5} max {:.2}", all.max);
+    println!(
+        "{name:28} eta {eta:.3} roughness {roughness} free path {free_path}: {mean:.5} ± {sigma:.5} max {:.2}",
+        all.max
+    );
     // Rounding of products along a path of some hundred factors leaves a few 1e-6.
     assert!((mean - 1.0).abs() < 3.0 * sigma + 1e-5, "{name}: {mean} ± {sigma}");
 }

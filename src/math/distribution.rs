@@ -61,7 +61,8 @@ pub struct Piecewise2d {
 impl Piecewise2d {
     /// From row-major weights, not negative and finite.
     pub fn new(width: usize, height: usize, weights: &[f32]) -> Self {
-        let sums = weights.chunks_exact(width).map(|row| row.iter().map(|&w| f64::from(w)).sum::<f64>() as f32);
+        let sums =
+            weights.chunks_exact(width).map(|row| row.iter().map(|&w| f64::from(w)).sum::<f64>() as f32);
         let columns = weights.chunks_exact(width).map(|row| Discrete::new(row.iter().copied())).collect();
         Self { width, height, rows: Discrete::new(sums), columns }
     }

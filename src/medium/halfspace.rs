@@ -53,8 +53,7 @@ fn h_function(directions: &Directions, absorbed_share: f64) -> Vec<f64> {
             .map(|i| {
                 let integral: f64 = (0..n)
                     .map(|j| {
-                        directions.weight[j] * directions.mu[j] * h[j]
-                            / (directions.mu[i] + directions.mu[j])
+                        directions.weight[j] * directions.mu[j] * h[j] / (directions.mu[i] + directions.mu[j])
                     })
                     .sum();
                 1.0 / (absorbed_share.sqrt() + 0.5 * omega * integral)

@@ -112,8 +112,7 @@ impl Channels {
     /// In proportion to `throughput`; alike if there is none.
     pub fn of(throughput: Rgb) -> Self {
         let sum: f32 = throughput.0.iter().sum();
-        let probability =
-            if sum > 0.0 && sum.is_finite() { throughput / sum } else { Rgb::splat(1.0 / 3.0) };
+        let probability = if sum > 0.0 && sum.is_finite() { throughput / sum } else { Rgb::splat(1.0 / 3.0) };
         Self { probability }
     }
 

@@ -159,9 +159,7 @@ fn power(light: &Light, world_radius: f32) -> f32 {
         Light::Disk { radius, radiance, .. } => PI * PI * radius * radius * radiance.mean(),
         Light::Sphere { radius, radiance, .. } => 4.0 * PI * PI * radius * radius * radiance.mean(),
         Light::Point { intensity, .. } => 4.0 * PI * intensity.mean(),
-        Light::Spot { intensity, outer_angle, .. } => {
-            2.0 * PI * (1.0 - outer_angle.cos()) * intensity.mean()
-        }
+        Light::Spot { intensity, outer_angle, .. } => 2.0 * PI * (1.0 - outer_angle.cos()) * intensity.mean(),
         Light::Directional { irradiance, .. } => PI * world_radius * world_radius * irradiance.mean(),
     }
 }
@@ -305,8 +303,7 @@ fn sample_mesh<C: RayCaster>(
     let surface = world.surface(&hit);
     let Substance::Material(index) = world.substance(instance) else { return None };
     let material = &world.scene().materials[index];
-    let radiance =
-        world.scene().color(&material.emission, surface.texture_coordinates, surface.color);
+    let radiance = world.scene().color(&material.emission, surface.texture_coordinates, surface.color);
     let toward = point - surface.position;
     let normal = surface.geometric_normal;
     let normal = if material.double_sided && toward.dot(normal) < 0.0 { -normal } else { normal };

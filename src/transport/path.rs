@@ -302,8 +302,8 @@ impl<'a, C: RayCaster> Path<'a, C> {
             return None;
         }
         self.throughput *= sample.weight;
-        self.scattered_from = (!sample.delta)
-            .then_some(Origin { position: surface.position, density: sample.density });
+        self.scattered_from =
+            (!sample.delta).then_some(Origin { position: surface.position, density: sample.density });
         if sample.crosses_boundary {
             let interior = world.interior(surface.instance);
             match interior {
@@ -351,14 +351,16 @@ impl<'a, C: RayCaster> Path<'a, C> {
     fn scattering(&self, material: usize, surface: &SurfacePoint) -> Option<Scattering<'a>> {
         let Renderer { world, scatterers, .. } = self.renderer;
         let around = self.interiors.current().map_or(1.0, |i| i.ior);
-        Some(scatterers[material].as_ref()?.at(around, world.diameter(surface.instance), |input| {
-            match input {
+        Some(scatterers[material].as_ref()?.at(
+            around,
+            world.diameter(surface.instance),
+            |input| match input {
                 ScatteringInput::Albedo { albedo, .. } => {
                     world.scene().color(albedo, surface.texture_coordinates, surface.color)
                 }
                 ScatteringInput::Coefficients { .. } => Rgb::ZERO,
-            }
-        }))
+            },
+        ))
     }
 
     /// The area integral: finds where the light came in, and follows it from there.
@@ -388,8 +390,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
                 normal: orientation.geometric,
             };
             self.counters.area_integrals += 1;
-            entry =
-                integral.sample(&self.stream, self.set(place::PROBE), &mut self.counters.probes);
+            entry = integral.sample(&self.stream, self.set(place::PROBE), &mut self.counters.probes);
         }
         self.throughput *= entry.weight;
         let Some(hit) = entry.hit else {

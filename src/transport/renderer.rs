@@ -13,7 +13,7 @@ use crate::math::SampleStream;
 use crate::radiometry::Rgb;
 use crate::raycast::{Geometry, RayCaster, RaycastError};
 use crate::scene::camera::CameraRays;
-use crate::scene::{Method, ProfileChoice, Scene, ScatteringInput, Surface};
+use crate::scene::{Method, ProfileChoice, ScatteringInput, Scene, Surface};
 
 /// What a render can be asked for beyond the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,10 +93,7 @@ impl<C: RayCaster> Renderer<C> {
         let stream = SampleStream::new(self.options.seed, pixel, sample);
         let [u, v, lens_u, lens_v] = stream.quad(place::CAMERA);
         let [dx, dy] = film.filter.sample([u, v]);
-        let on_film = [
-            (x as f32 + 0.5 + dx) / film.width as f32,
-            (y as f32 + 0.5 + dy) / film.height as f32,
-        ];
+        let on_film = [(x as f32 + 0.5 + dx) / film.width as f32, (y as f32 + 0.5 + dy) / film.height as f32];
         let ray = self.camera.ray(on_film, [lens_u, lens_v]);
         Path::new(self, stream, self.camera_interiors, counters).radiance(ray.origin, ray.direction)
     }

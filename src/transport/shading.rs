@@ -83,7 +83,9 @@ pub fn emitted(light: &Light, surface: &SurfacePoint, direction: Vec3) -> Rgb {
         return Rgb::ZERO;
     }
     match light {
-        Light::Quad { radiance, .. } | Light::Disk { radiance, .. } | Light::Sphere { radiance, .. } => *radiance,
+        Light::Quad { radiance, .. } | Light::Disk { radiance, .. } | Light::Sphere { radiance, .. } => {
+            *radiance
+        }
         Light::Point { .. } | Light::Spot { .. } | Light::Directional { .. } => Rgb::ZERO,
     }
 }

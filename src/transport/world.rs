@@ -58,7 +58,8 @@ impl<C: RayCaster> World<C> {
         mut scene: Scene,
         build: impl FnOnce(&Geometry) -> Result<C, RaycastError>,
     ) -> Result<Self, RaycastError> {
-        let mut substances: Vec<_> = scene.instances.iter().map(|i| Substance::Material(i.material)).collect();
+        let mut substances: Vec<_> =
+            scene.instances.iter().map(|i| Substance::Material(i.material)).collect();
         add_lights(&mut scene, &mut substances);
         bake(&mut scene);
         let diameters = scene.instances.iter().map(|i| diameter(&scene, i)).collect();
@@ -126,8 +127,8 @@ impl<C: RayCaster> World<C> {
     pub fn triangle(&self, instance: u32, primitive: u32) -> [Vec3; 3] {
         let instance = &self.scene.instances[instance as usize];
         let mesh = &self.scene.meshes[instance.mesh];
-        let [a, b, c] =
-            mesh.triangles[primitive as usize].map(|v| place(&instance.transform, mesh.positions[v as usize]));
+        let [a, b, c] = mesh.triangles[primitive as usize]
+            .map(|v| place(&instance.transform, mesh.positions[v as usize]));
         if mirrors(&instance.transform) { [a, c, b] } else { [a, b, c] }
     }
 
@@ -159,9 +160,10 @@ impl<C: RayCaster> World<C> {
             let t = mesh.tangents[i] * w + mesh.tangents[j] * u + mesh.tangents[k] * v;
             tangent = place_vector(transform, t.truncate()).extend(mesh.tangents[i].w);
         }
-        let texture_coordinates = mesh.texture_coordinates.each_ref().map(|set| {
-            if set.is_empty() { Vec2::ZERO } else { set[i] * w + set[j] * u + set[k] * v }
-        });
+        let texture_coordinates = mesh
+            .texture_coordinates
+            .each_ref()
+            .map(|set| if set.is_empty() { Vec2::ZERO } else { set[i] * w + set[j] * u + set[k] * v });
         let color = if mesh.colors.is_empty() {
             Vec4::ONE
         } else {
@@ -281,8 +283,8 @@ fn bake(scene: &mut Scene) {
 
 fn diameter(scene: &Scene, instance: &Instance) -> f32 {
     let positions = scene.meshes[instance.mesh].positions.iter().map(|p| place(&instance.transform, *p));
-    let (low, high) = positions
-        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+    let (low, high) =
+        positions.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
     if low.x <= high.x { (high - low).length() } else { 0.0 }
 }
 
@@ -305,6 +307,7 @@ fn place_normal(transform: &Affine3A, normal: Vec3) -> Vec3 {
         return normal;
     }
     let m = transform.matrix3;
-    let cofactors = Mat3A::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
+    let cofactors =
+        Mat3A::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
     Vec3::from(cofactors * glam::Vec3A::from(normal)) * if mirrors(transform) { -1.0 } else { 1.0 }
 }
