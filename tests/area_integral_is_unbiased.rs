@@ -69,9 +69,10 @@ fn energy_on_plane(d: f32, height: f32) -> f64 {
 fn a_comb_of_64_sheets_is_found_whole() {
     let sheets = 64;
     let spacing = 0.05;
-    let comb = join((0..sheets).map(|i| {
-        shape::quad(Vec3::new(0.0, -spacing * i as f32, 0.0), Vec3::Z * 200.0, Vec3::X * 200.0)
-    }));
+    let comb =
+        join((0..sheets).map(|i| {
+            shape::quad(Vec3::new(0.0, -spacing * i as f32, 0.0), Vec3::Z * 200.0, Vec3::X * 200.0)
+        }));
     let d = Rgb::new(0.4, 1.0, 2.0);
     let [r, g, b] = integrate(&comb, d, Vec3::ZERO, Vec3::Y, 200_000, |_| 1.0);
     for (c, statistic) in [r, g, b].into_iter().enumerate() {
@@ -86,9 +87,10 @@ fn a_comb_of_64_sheets_is_found_whole() {
 #[test]
 fn each_sheet_of_the_comb_gets_its_own_share() {
     let spacing = 0.7;
-    let comb = join((0..8).map(|i| {
-        shape::quad(Vec3::new(0.0, -spacing * i as f32, 0.0), Vec3::Z * 200.0, Vec3::X * 200.0)
-    }));
+    let comb =
+        join((0..8).map(|i| {
+            shape::quad(Vec3::new(0.0, -spacing * i as f32, 0.0), Vec3::Z * 200.0, Vec3::X * 200.0)
+        }));
     for sheet in 0..8 {
         let only = |hit: &Hit| if hit.primitive / 2 == sheet { 1.0 } else { 0.0 };
         let [_, statistic, _] = integrate(&comb, Rgb::new(0.4, 1.0, 2.0), Vec3::ZERO, Vec3::Y, 100_000, only);
@@ -148,10 +150,16 @@ fn entry_points_on_a_plane_follow_the_profile() {
             }
         }
         for (c, statistic) in statistics.iter().enumerate() {
-            let exact =
-                if limit.is_finite() { f64::from(NormalizedDiffusion { d: d[c] }.cumulative(limit)) } else { 1.0 };
+            let exact = if limit.is_finite() {
+                f64::from(NormalizedDiffusion { d: d[c] }.cumulative(limit))
+            } else {
+                1.0
+            };
             let (mean, sigma) = (statistic.mean(), statistic.standard_error());
-            assert!((mean - exact).abs() < 3.0 * sigma, "within {limit}, channel {c}: {mean} ± {sigma}, {exact}");
+            assert!(
+                (mean - exact).abs() < 3.0 * sigma,
+                "within {limit}, channel {c}: {mean} ± {sigma}, {exact}"
+            );
         }
     }
     assert_eq!(counters.overflowed, 0);

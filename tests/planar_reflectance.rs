@@ -12,8 +12,11 @@ use glam::Vec3;
 
 /// A slab many free paths wide and thick, seen from `height` above its middle.
 fn slab_scene(medium: ScatteringInput, ior: f32, roughness: f32) -> Scene {
-    let material =
-        Material { surface: Surface::Translucent { ior, roughness, medium }, emission: ColorInput::constant(Rgb::ZERO), ..Material::default() };
+    let material = Material {
+        surface: Surface::Translucent { ior, roughness, medium },
+        emission: ColorInput::constant(Rgb::ZERO),
+        ..Material::default()
+    };
     let mut scene = furnace(shape::cuboid(Vec3::new(0.0, -5.0, 0.0), Vec3::new(40.0, 10.0, 40.0)), material);
     scene.camera.position = Vec3::new(0.0, 4.0, 1.0);
     scene.camera.vertical_fov = 0.02;

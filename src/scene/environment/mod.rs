@@ -1,25 +1,22 @@
 //! Environment maps: reading them, and looking radiance up by direction.
 
+mod exr_map;
+
 use std::f32::consts::{PI, TAU};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-use exr::math::Vec2 as ExrVec2;
-use exr::meta::header::Header;
-use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel};
 use glam::{Mat3, Vec2, Vec3};
 use image::ImageDecoder;
 use image::codecs::hdr::HdrDecoder;
 
+use self::exr_map::read_exr;
 use super::{Environment, SceneError};
 use crate::radiometry::{Rgb, Spectrum};
 
 /// Largest map that is read: 16,384 × 8,192 pixels take 1.6 GB.
 const MAX_PIXELS: usize = 1 << 27;
-
-/// Largest block of an EXR file that is decoded: 32 lines of 16,384 pixels of 16 float channels.
-const MAX_BLOCK_BYTES: usize = 32 * 16_384 * 64;
 
 /// An image in memory: width, height, row-major pixels.
 type ImagePixels = (usize, usize, Vec<Rgb>);
@@ -83,65 +80,6 @@ fn read_hdr(path: &Path) -> Result<ImagePixels, SceneError> {
     Ok((width, height, samples.into_iter().map(Spectrum).collect()))
 }
 
-/// Reads the first layer's channels R, G, B, or else Y.
-fn read_exr(path: &Path) -> Result<ImagePixels, SceneError> {
-    let unreadable = |e: exr::error::Error| SceneError::file(path, format!("not a readable EXR image: {e}"));
-    let chunks = exr::block::read(open(path)?, false).map_err(unreadable)?;
-    // A damaged header may ask for any amount of memory, so it is judged before any is given.
-    let colored = check_exr_headers(path, chunks.headers())?;
-    let image = exr::prelude::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .specific_channels()
-        .optional("R", 0.0_f32)
-        .optional("G", 0.0_f32)
-        .optional("B", 0.0_f32)
-        .optional("Y", 0.0_f32)
-        .collect_pixels(
-            |size, _| (size, vec![Rgb::ZERO; size.area()]),
-            move |(size, pixels): &mut (ExrVec2<usize>, Vec<Rgb>), at, (r, g, b, y): (f32, f32, f32, f32)| {
-                if let Some(pixel) = pixels.get_mut(at.y() * size.width() + at.x()) {
-                    *pixel = if colored { Rgb::new(r, g, b) } else { Rgb::splat(y) };
-                }
-            },
-        )
-        .first_valid_layer()
-        .all_attributes()
-        .from_chunks(chunks)
-        .map_err(unreadable)?;
-    let (size, pixels) = image.layer_data.channel_data.pixels;
-    Ok((size.width(), size.height(), pixels))
-}
-
-/// Whether the first layer has the channels R, G and B rather than Y, if it can be read at all.
-fn check_exr_headers(path: &Path, headers: &[Header]) -> Result<bool, SceneError> {
-    let refuse = |problem: String| Err(SceneError::file(path, problem));
-    for header in headers {
-        pixel_count(path, header.layer_size.width(), header.layer_size.height())?;
-        if header.max_block_byte_size() > MAX_BLOCK_BYTES {
-            return refuse(format!(
-                "a block of {} bytes: the header is damaged",
-                header.max_block_byte_size()
-            ));
-        }
-    }
-    let Some(header) = headers.first() else { return refuse("no layers".into()) };
-    if header.deep {
-        return refuse("deep images are not environment maps".into());
-    }
-    let channels = &header.channels.list;
-    if channels.iter().any(|c| c.sampling != ExrVec2(1, 1)) {
-        return refuse("channels of lower resolution (chroma subsampling) are not supported".into());
-    }
-    let names: Vec<String> = channels.iter().map(|c| c.name.to_string()).collect();
-    let has = |name: &str| names.iter().any(|n| n == name);
-    let colored = has("R") && has("G") && has("B");
-    if !colored && !has("Y") {
-        return refuse(format!("channels R, G, B or Y are needed; the first layer has {}", names.join(", ")));
-    }
-    Ok(colored)
-}
-
 impl Environment {
     /// Radiance that arrives from the unit `direction`, W/(m² sr). Maps are interpolated bilinearly
     /// between pixel centres, across the left and right edge, not across the poles.
@@ -184,4 +122,63 @@ pub fn uv_to_direction(uv: Vec2) -> Vec3 {
     let (sin_phi, cos_phi) = (TAU * (uv.x - 0.5)).sin_cos();
     let (sin_theta, cos_theta) = (PI * uv.y).sin_cos();
     Vec3::new(sin_theta * sin_phi, cos_theta, -sin_theta * cos_phi)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_and_coordinates_are_inverse() {
+        // Landmarks of the mapping.
+        for (direction, uv) in [
+            (Vec3::NEG_Z, Vec2::new(0.5, 0.5)),
+            (Vec3::X, Vec2::new(0.75, 0.5)),
+            (Vec3::NEG_X, Vec2::new(0.25, 0.5)),
+            (Vec3::Y, Vec2::new(0.5, 0.0)),
+        ] {
+            let got = direction_to_uv(direction);
+            assert!(got.y == uv.y && (got.x == uv.x || direction == Vec3::Y), "{direction} {got}");
+        }
+        for i in 0..64 {
+            for j in 0..64 {
+                let uv = Vec2::new((i as f32 + 0.5) / 64.0, (j as f32 + 0.5) / 64.0);
+                let direction = uv_to_direction(uv);
+                // A few ulps of angles up to π; near the poles u is known only relative to sin θ.
+                let error = (direction_to_uv(direction) - uv).abs();
+                let tolerance = 4.0 * f32::EPSILON;
+                assert!(error.y <= tolerance && error.x * (PI * uv.y).sin() <= tolerance, "{uv}: {error}");
+                assert!((direction.length() - 1.0).abs() <= 2.0 * f32::EPSILON);
+            }
+        }
+    }
+
+    fn map(rotation: Mat3) -> Environment {
+        let radiance = (0..32).map(|i| Rgb::splat(i as f32)).collect();
+        Environment::Map { width: 8, height: 4, radiance, rotation }
+    }
+
+    #[test]
+    fn look_up_is_exact_at_pixel_centres_and_linear_between() {
+        let environment = map(Mat3::IDENTITY);
+        let at = |x: f32, y: f32| environment.radiance(uv_to_direction(Vec2::new(x / 8.0, y / 4.0)))[0];
+        // Pixel values up to 31 times a few ulps of the coordinates, which 8 pixels multiply.
+        let close = |a: f32, b: f32| (a - b).abs() < 31.0 * 8.0 * 8.0 * f32::EPSILON;
+        for i in 0..32 {
+            assert!(close(at((i % 8) as f32 + 0.5, (i / 8) as f32 + 0.5), i as f32));
+        }
+        assert!(close(at(3.0, 1.5), 10.5));
+        assert!(close(at(2.5, 2.0), 14.0));
+        // Across the seam, pixels 7 and 0 of row 2; beyond the pole, row 0 itself.
+        assert!(close(at(8.0, 2.5), 19.5));
+        assert!(close(at(2.5, 0.1), 2.0));
+    }
+
+    #[test]
+    fn rotation_turns_the_map_counter_clockwise_seen_from_above() {
+        // What was seen ahead (−z) is seen to the left (−x) after a quarter turn about +y.
+        let (plain, turned) = (map(Mat3::IDENTITY), map(Mat3::from_rotation_y(-PI / 2.0)));
+        let (ahead, left) = (plain.radiance(Vec3::NEG_Z)[0], turned.radiance(Vec3::NEG_X)[0]);
+        assert!((ahead - left).abs() < 31.0 * 8.0 * 8.0 * f32::EPSILON, "{ahead} {left}");
+    }
 }
