@@ -159,7 +159,10 @@ impl<'a, C: RayCaster> Path<'a, C> {
 
     /// Ends paths that carry little, so that the rest carry as much more.
     fn survives_roulette(&mut self) -> bool {
-        let carried = self.throughput.max_component();
+        // Radiance inside a body is n² times that outside, which its throughput makes up for: what a path
+        // brings to the camera is judged without that factor.
+        let index = self.interiors.current().map_or(1.0, |inside| inside.ior);
+        let carried = self.throughput.max_component() * index * index;
         let u = self.stream.quad(self.set(place::SCATTER))[3];
         self.bounce += 1;
         if !(carried > 0.0 && carried.is_finite()) {
