@@ -134,3 +134,12 @@ pub fn l_shape() -> Mesh {
 pub fn two_slabs() -> Mesh {
     join([-0.25, 0.25].map(|y| shape::cuboid(Vec3::new(0.0, y, 0.0), Vec3::new(4.0, 0.4, 4.0))))
 }
+
+/// The objects of `scene`, all of `material`, in uniform light of radiance 1.
+pub fn in_furnace(mut scene: Scene, material: Material) -> Scene {
+    scene.materials = vec![material];
+    scene.instances.iter_mut().for_each(|instance| instance.material = 0);
+    scene.lights.clear();
+    scene.environment = Some(Environment::Constant(Rgb::ONE));
+    scene
+}
