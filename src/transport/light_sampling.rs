@@ -10,6 +10,7 @@ use crate::math::{Frame, warp};
 use crate::radiometry::Rgb;
 use crate::raycast::RayCaster;
 use crate::scene::environment::{direction_to_uv, uv_to_direction};
+use crate::scene::light::spot_falloff;
 use crate::scene::{Environment, Light};
 
 /// Light towards a point from one direction.
@@ -252,14 +253,6 @@ fn from_point(point: Vec3, position: Vec3, intensity: Rgb) -> Option<LightSample
         value: intensity / squared,
         density: None,
     })
-}
-
-/// Share of the axial intensity at angle arccos(`cos`) from the axis (KHR_lights_punctual: the square of
-/// a ramp in the cosine).
-pub fn spot_falloff(cos: f32, inner_angle: f32, outer_angle: f32) -> f32 {
-    let (inner, outer) = (inner_angle.cos(), outer_angle.cos());
-    let ramp = ((cos - outer) / (inner - outer).max(1e-6)).clamp(0.0, 1.0);
-    ramp * ramp
 }
 
 /// 1 − cosine of the half angle under which a sphere is seen from squared distance `squared`; `None`
