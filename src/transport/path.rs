@@ -5,6 +5,7 @@ use glam::Vec3;
 use super::area_integral::{AreaIntegral, Channels, EntryPoint};
 use super::counters::Counters;
 use super::interiors::Interiors;
+use super::light_choice::Receiver;
 use super::renderer::Renderer;
 use super::scatterer::Scattering;
 use super::shading::{Orientation, emitted, is_covered, resolve_bsdf};
@@ -51,7 +52,7 @@ const MOST_PASSED: u32 = 256;
 /// The vertex a ray was scattered from, where direct light could have been drawn as well.
 #[derive(Clone, Copy)]
 struct Origin {
-    position: Vec3,
+    receiver: Receiver,
     /// Density per solid angle of the direction taken.
     density: f32,
 }
@@ -158,7 +159,10 @@ impl<'a, C: RayCaster> Path<'a, C> {
 
     /// Ends paths that carry little, so that the rest carry as much more.
     fn survives_roulette(&mut self) -> bool {
-        let carried = self.throughput.max_component();
+        // Radiance inside a body is n² times that outside, which its throughput makes up for: what a path
+        // brings to the camera is judged without that factor.
+        let index = self.interiors.current().map_or(1.0, |inside| inside.ior);
+        let carried = self.throughput.max_component() * index * index;
         let u = self.stream.quad(self.set(place::SCATTER))[3];
         self.bounce += 1;
         if !(carried > 0.0 && carried.is_finite()) {
@@ -192,7 +196,8 @@ impl<'a, C: RayCaster> Path<'a, C> {
     fn add_environment(&mut self, direction: Vec3) {
         let Some(environment) = &self.renderer.world.scene().environment else { return };
         let lights = &self.renderer.lights;
-        let weight = self.emission_weight(|_| lights.environment_density(environment, direction));
+        let weight = self
+            .emission_weight(|origin| lights.environment_density(environment, &origin.receiver, direction));
         self.radiance += self.throughput * environment.radiance(direction) * weight;
     }
 
@@ -201,10 +206,8 @@ impl<'a, C: RayCaster> Path<'a, C> {
             return;
         }
         let Renderer { world, lights, .. } = self.renderer;
-        let weight = self.emission_weight(|origin| {
-            let distance = origin.position.distance(surface.position);
-            lights.density(world, origin.position, direction, distance, surface)
-        });
+        let weight =
+            self.emission_weight(|origin| lights.density(world, &origin.receiver, direction, surface));
         self.radiance += self.throughput * radiance * weight;
     }
 
@@ -218,11 +221,17 @@ impl<'a, C: RayCaster> Path<'a, C> {
         }
     }
 
-    /// Light drawn directly at `surface`, through a lobe given by `response`.
-    fn add_direct(&mut self, place: u32, surface: &SurfacePoint, response: impl Fn(Vec3) -> Response) {
+    /// Light drawn directly for `receiver` at `surface`, through a lobe given by `response`.
+    fn add_direct(
+        &mut self,
+        place: u32,
+        surface: &SurfacePoint,
+        receiver: &Receiver,
+        response: impl Fn(Vec3) -> Response,
+    ) {
         let [u0, u1, u2, _] = self.stream.quad(self.set(place));
         let Renderer { world, lights, .. } = self.renderer;
-        let Some(light) = lights.sample(world, surface.position, [u0, u1, u2]) else { return };
+        let Some(light) = lights.sample(world, receiver, [u0, u1, u2]) else { return };
         let Response { value, density } = response(light.direction);
         if value.is_black() {
             return;
@@ -278,8 +287,12 @@ impl<'a, C: RayCaster> Path<'a, C> {
         let mut orientation = Orientation::new(world.scene(), material, surface, wo, two_sided);
         let frame = Frame::from_normal(orientation.shading);
         let local_wo = frame.to_local(wo);
+        let receiver = Receiver {
+            position: surface.position,
+            normal: (!bsdf.transmits()).then_some(orientation.geometric),
+        };
         if !bsdf.is_delta_only() {
-            self.add_direct(place::LIGHT, surface, |wi| {
+            self.add_direct(place::LIGHT, surface, &receiver, |wi| {
                 bsdf_response(&bsdf, &orientation, &frame, local_wo, wi)
             });
         }
@@ -305,8 +318,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
             return None;
         }
         self.throughput *= sample.weight;
-        self.scattered_from =
-            (!sample.delta).then_some(Origin { position: surface.position, density: sample.density });
+        self.scattered_from = (!sample.delta).then_some(Origin { receiver, density: sample.density });
         if sample.crosses_boundary {
             let interior = world.interior(surface.instance);
             match interior {
@@ -330,8 +342,9 @@ impl<'a, C: RayCaster> Path<'a, C> {
             let value: f32 = orientation.unfolded(wi).map(lobe).sum();
             Response { value: Rgb::splat(value), density: value }
         };
+        let receiver = orientation.receiver(surface);
         if !boundary.is_smooth() {
-            self.add_direct(place::LIGHT, surface, respond);
+            self.add_direct(place::LIGHT, surface, &receiver, respond);
         }
         // A reflection is drawn and kept with its weight as probability, so that the share E is
         // reflected and 1 − E enters, both with weight 1, and the density of a direction kept is the lobe's value.
@@ -344,8 +357,8 @@ impl<'a, C: RayCaster> Path<'a, C> {
             // Below the surface by the interpolated normal only: mirror it up, losing nothing.
             direction = orientation.mirrored(direction);
         }
-        self.scattered_from = (!boundary.is_smooth())
-            .then(|| Origin { position: surface.position, density: respond(direction).density });
+        self.scattered_from =
+            (!boundary.is_smooth()).then(|| Origin { receiver, density: respond(direction).density });
         Some(Next { origin: leave(surface, direction), direction })
     }
 
@@ -410,7 +423,8 @@ impl<'a, C: RayCaster> Path<'a, C> {
     /// Light enters a translucent body at `point` by the normalised lobe S_w.
     fn enter(&mut self, point: &SurfacePoint, orientation: &Orientation, boundary: &Boundary) -> Next {
         let respond = |wi: Vec3| entry_response(boundary, orientation, wi);
-        self.add_direct(place::ENTRY_LIGHT, point, respond);
+        let receiver = orientation.receiver(point);
+        self.add_direct(place::ENTRY_LIGHT, point, &receiver, respond);
         let [u, v, _, _] = self.stream.quad(self.set(place::ENTRY));
         let mut direction = Frame::from_normal(orientation.shading).to_world(boundary.sample_exit([u, v]));
         let height = direction.dot(orientation.geometric);
@@ -419,7 +433,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
         }
         let Response { value, density } = respond(direction);
         self.throughput *= if density > 0.0 { value / density } else { Rgb::ZERO };
-        self.scattered_from = Some(Origin { position: point.position, density });
+        self.scattered_from = Some(Origin { receiver, density });
         Next { origin: leave(point, direction), direction }
     }
 }

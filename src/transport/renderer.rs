@@ -69,7 +69,7 @@ impl<C: RayCaster> Renderer<C> {
         let camera = scene.camera.rays(scene.film.width as f32 / scene.film.height as f32);
         let world = World::new(scene, build)?;
         let scene = world.scene();
-        let lights = LightSampler::new(&world, radius(scene));
+        let lights = LightSampler::new(&world, world.radius());
         let scatterers = (0..scene.materials.len()).map(|m| Scatterer::new(scene, m)).collect();
         // Upwards: any direction would do, and most scenes stand on a floor.
         let camera_interiors = world.interiors_at(scene.camera.position, Vec3::new(0.02, 0.999_8, 0.005));
@@ -132,18 +132,4 @@ fn clear_bodies_without_scattering(scene: &mut Scene) {
             };
         }
     }
-}
-
-/// Radius of a sphere around all geometry, m.
-fn radius(scene: &Scene) -> f32 {
-    let mut low = Vec3::INFINITY;
-    let mut high = Vec3::NEG_INFINITY;
-    for instance in &scene.instances {
-        for position in &scene.meshes[instance.mesh].positions {
-            let p = instance.transform.transform_point3(*position);
-            low = low.min(p);
-            high = high.max(p);
-        }
-    }
-    if low.x <= high.x { 0.5 * (high - low).length() } else { 1.0 }
 }

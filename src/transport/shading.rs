@@ -2,6 +2,7 @@
 
 use glam::{Vec3, Vec4Swizzles};
 
+use super::light_choice::Receiver;
 use super::world::SurfacePoint;
 use crate::optics::{Bsdf, Dielectric, Metal, MetallicRoughness};
 use crate::radiometry::Rgb;
@@ -43,6 +44,11 @@ impl Orientation {
         let sign = if flipped { -1.0 } else { 1.0 };
         let shading = mapped_normal(scene, material, surface);
         Self { geometric: surface.geometric_normal * sign, shading: shading * sign, flipped }
+    }
+
+    /// The outside of `surface` as a receiver of light.
+    pub fn receiver(&self, surface: &SurfacePoint) -> Receiver {
+        Receiver { position: surface.position, normal: Some(self.geometric) }
     }
 
     /// True if both normals see `direction` on the same side.

@@ -44,8 +44,8 @@ pub struct SurfacePoint {
 pub struct World<C> {
     scene: Scene,
     substances: Vec<Substance>,
-    /// World-space diameter of each instance's bounding box, m.
-    diameters: Vec<f32>,
+    /// World-space bounding box of each instance, m.
+    bounds: Vec<(Vec3, Vec3)>,
     caster: C,
     /// Some boundary lets paths inside, so that where a path is has to be tracked.
     has_interiors: bool,
@@ -62,7 +62,7 @@ impl<C: RayCaster> World<C> {
             scene.instances.iter().map(|i| Substance::Material(i.material)).collect();
         add_lights(&mut scene, &mut substances);
         bake(&mut scene);
-        let diameters = scene.instances.iter().map(|i| diameter(&scene, i)).collect();
+        let bounds = scene.instances.iter().map(|i| bounds_of(&scene, i)).collect();
         let caster = {
             let meshes: Vec<_> = scene
                 .meshes
@@ -85,7 +85,7 @@ impl<C: RayCaster> World<C> {
             |s: &&Substance| matches!(s, Substance::Material(m) if interior_of(&scene, *m).is_some());
         let has_interiors = substances.iter().any(|s| lets_inside(&s));
         let has_partial_coverage = scene.materials.iter().any(|m| m.coverage != Coverage::Full);
-        Ok(Self { scene, substances, diameters, caster, has_interiors, has_partial_coverage })
+        Ok(Self { scene, substances, bounds, caster, has_interiors, has_partial_coverage })
     }
 
     /// The scene, with geometry in world space where it is used once.
@@ -110,7 +110,20 @@ impl<C: RayCaster> World<C> {
 
     /// Diameter of the bounding box of `instance`: no two of its points are farther apart, m.
     pub fn diameter(&self, instance: u32) -> f32 {
-        self.diameters[instance as usize]
+        let (low, high) = self.bounds(instance);
+        (high - low).length()
+    }
+
+    /// Lowest and highest corner of the bounding box of `instance`, m.
+    pub fn bounds(&self, instance: u32) -> (Vec3, Vec3) {
+        self.bounds[instance as usize]
+    }
+
+    /// Radius of a sphere around all geometry, m; 1 if there is none.
+    pub fn radius(&self) -> f32 {
+        let join = |(a, b): (Vec3, Vec3), (low, high): &(Vec3, Vec3)| (a.min(*low), b.max(*high));
+        let (low, high) = self.bounds.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), join);
+        if low.x <= high.x { 0.5 * (high - low).length() } else { 1.0 }
     }
 
     /// True if some body lets paths inside.
@@ -281,11 +294,15 @@ fn bake(scene: &mut Scene) {
     }
 }
 
-fn diameter(scene: &Scene, instance: &Instance) -> f32 {
+/// An empty mesh has an empty box at the origin.
+fn bounds_of(scene: &Scene, instance: &Instance) -> (Vec3, Vec3) {
     let positions = scene.meshes[instance.mesh].positions.iter().map(|p| place(&instance.transform, *p));
-    let (low, high) =
-        positions.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
-    if low.x <= high.x { (high - low).length() } else { 0.0 }
+    positions
+        .fold(None, |bounds: Option<(Vec3, Vec3)>, p| {
+            let (low, high) = bounds.unwrap_or((p, p));
+            Some((low.min(p), high.max(p)))
+        })
+        .unwrap_or_default()
 }
 
 fn mirrors(transform: &Affine3A) -> bool {
