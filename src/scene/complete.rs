@@ -8,9 +8,14 @@ use super::shape::horizontal_frame;
 use super::{Camera, Environment, Light, ScatteringInput, Scene, SceneError, Surface};
 use crate::radiometry::Rgb;
 
-/// Sets the camera, or frames the objects; adds soft light if there is none; warns of units that
-/// look wrong. An error if there is nothing to see.
-pub fn complete(scene: &mut Scene, camera: Option<Camera>, file: &Path) -> Result<(), SceneError> {
+/// Sets the camera, or frames the objects; adds soft light if the scene `has_lights` of its own not; warns of
+/// units that look wrong. An error if there is nothing to see.
+pub fn complete(
+    scene: &mut Scene,
+    camera: Option<Camera>,
+    has_lights: bool,
+    file: &Path,
+) -> Result<(), SceneError> {
     let bounds = scene_bounds(scene).ok_or_else(|| SceneError::file(file, "the scene has no triangles"))?;
     if !bounds.diagonal().is_finite() {
         return Err(SceneError::file(file, "the objects reach beyond the range of single precision"));
@@ -19,8 +24,8 @@ pub fn complete(scene: &mut Scene, camera: Option<Camera>, file: &Path) -> Resul
         scene.warnings.push("no camera: looking at all objects from the front, right and above".into());
         framing_camera(&bounds, scene.film.width as f32 / scene.film.height as f32)
     });
-    if !has_light(scene) {
-        scene.warnings.push("no lights, emission or environment: lit by a soft default rig".into());
+    if !has_lights {
+        scene.warnings.push("no lights: lit by a soft default rig".into());
         add_default_lights(scene, &bounds);
     }
     let instances = 0..scene.instances.len();
@@ -84,13 +89,6 @@ fn framing_camera(bounds: &Bounds, aspect: f32) -> Camera {
     };
     let distance = (0..8).map(distance_for).fold(f32::MIN_POSITIVE, f32::max);
     Camera { position: center + back * distance, target: center, ..default }
-}
-
-fn has_light(scene: &Scene) -> bool {
-    let emits = |material: usize| !scene.materials[material].emission.factor.is_black();
-    !scene.lights.is_empty()
-        || scene.environment.is_some()
-        || scene.instances.iter().any(|instance| emits(instance.material))
 }
 
 /// An environment of radiance 0.3 and a key light from above left of the camera. A white diffuse

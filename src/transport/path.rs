@@ -12,7 +12,7 @@ use super::shading::{Orientation, emitted, is_covered, resolve_bsdf};
 use super::world::{Substance, SurfacePoint};
 use crate::math::robust::offset_from_surface;
 use crate::math::{Frame, SampleStream};
-use crate::optics::Boundary;
+use crate::optics::{Boundary, Bsdf};
 use crate::radiometry::Rgb;
 use crate::raycast::{Ray, RayCaster};
 use crate::scene::{Method, ScatteringInput};
@@ -293,24 +293,27 @@ impl<'a, C: RayCaster> Path<'a, C> {
         };
         if !bsdf.is_delta_only() {
             self.add_direct(place::LIGHT, surface, &receiver, |wi| {
-                if !orientation.agree(wi) {
-                    return Response { value: Rgb::ZERO, density: 0.0 };
-                }
-                let local = frame.to_local(wi);
-                Response { value: bsdf.evaluate(local_wo, local), density: bsdf.density(local_wo, local) }
+                bsdf_response(&bsdf, &orientation, &frame, local_wo, wi)
             });
         }
         let [lobe, u, v, _] = self.stream.quad(self.set(place::SCATTER));
         let mut sample = bsdf.sample(local_wo, [u, v, lobe])?;
         let mut direction = frame.to_world(sample.direction);
-        if !orientation.agree(direction) && sample.delta {
+        if sample.delta && !orientation.agree(direction) {
             // The interpolated normal sends light through the wrong side: use the triangle's own.
             orientation.shading = orientation.geometric;
             let frame = Frame::from_normal(orientation.geometric);
             sample = bsdf.sample(frame.to_local(wo), [u, v, lobe])?;
             direction = frame.to_world(sample.direction);
+        } else if !sample.delta && orientation.folds(direction) {
+            if !orientation.agree(direction) {
+                direction = orientation.mirrored(direction);
+            }
+            let Response { value, density } = bsdf_response(&bsdf, &orientation, &frame, local_wo, direction);
+            sample.weight = if density > 0.0 { value / density } else { Rgb::ZERO };
+            sample.density = density;
         }
-        if !orientation.agree(direction) {
+        if direction.dot(orientation.geometric) == 0.0 {
             self.counters.rejected += 1;
             return None;
         }
@@ -334,15 +337,14 @@ impl<'a, C: RayCaster> Path<'a, C> {
         let boundary = scattering.boundary;
         let frame = Frame::from_normal(orientation.shading);
         let local_wo = frame.to_local(wo);
+        let respond = |wi: Vec3| {
+            let lobe = |wi| boundary.evaluate_reflection(local_wo, frame.to_local(wi));
+            let value: f32 = orientation.unfolded(wi).map(lobe).sum();
+            Response { value: Rgb::splat(value), density: value }
+        };
         let receiver = orientation.receiver(surface);
         if !boundary.is_smooth() {
-            self.add_direct(place::LIGHT, surface, &receiver, |wi| {
-                if wi.dot(orientation.geometric) <= 0.0 {
-                    return Response { value: Rgb::ZERO, density: 0.0 };
-                }
-                let value = boundary.evaluate_reflection(local_wo, frame.to_local(wi));
-                Response { value: Rgb::splat(value), density: value }
-            });
+            self.add_direct(place::LIGHT, surface, &receiver, respond);
         }
         // A reflection is drawn and kept with its weight as probability, so that the share E is
         // reflected and 1 − E enters, both with weight 1, and the density of a direction kept is the lobe's value.
@@ -351,13 +353,12 @@ impl<'a, C: RayCaster> Path<'a, C> {
             return self.scatter_below(material, surface, &orientation, &scattering);
         };
         let mut direction = frame.to_world(sample.direction);
-        let height = direction.dot(orientation.geometric);
-        if height <= 0.0 {
+        if direction.dot(orientation.geometric) <= 0.0 {
             // Below the surface by the interpolated normal only: mirror it up, losing nothing.
-            direction -= orientation.geometric * (2.0 * height);
+            direction = orientation.mirrored(direction);
         }
         self.scattered_from =
-            (!boundary.is_smooth()).then_some(Origin { receiver, density: sample.density * sample.weight });
+            (!boundary.is_smooth()).then(|| Origin { receiver, density: respond(direction).density });
         Some(Next { origin: leave(surface, direction), direction })
     }
 
@@ -435,6 +436,24 @@ impl<'a, C: RayCaster> Path<'a, C> {
         self.scattered_from = Some(Origin { receiver, density });
         Next { origin: leave(point, direction), direction }
     }
+}
+
+/// The BSDF towards `wi` and the density that samples it, around the shading normal `frame` and folded by
+/// the plane of the triangle.
+fn bsdf_response(
+    bsdf: &Bsdf,
+    orientation: &Orientation,
+    frame: &Frame,
+    local_wo: Vec3,
+    wi: Vec3,
+) -> Response {
+    let mut response = Response { value: Rgb::ZERO, density: 0.0 };
+    for direction in orientation.unfolded(wi) {
+        let local = frame.to_local(direction);
+        response.value += bsdf.evaluate(local_wo, local);
+        response.density += bsdf.density(local_wo, local);
+    }
+    response
 }
 
 /// The lobe S_w cosθ around the shading normal, and the density that samples it. What
