@@ -64,7 +64,10 @@ fn milk_that_absorbs_nothing_vanishes_with_its_glass() {
                 }
             }
             let (mean, sigma) = (statistics.mean(), statistics.standard_error());
-            println!("{name} roughness {roughness}: {mean:.5} ± {sigma:.5} max {:.2} {counters:?}", statistics.max);
+            println!(
+                "{name} roughness {roughness}: {mean:.5} ± {sigma:.5} max {:.2} {counters:?}",
+                statistics.max
+            );
             // Directions that the interpolated normals of a coarse sphere send to the wrong side are lost.
             let lost = (counters.rejected + counters.capped_paths) as f64 / (576.0 * 32.0);
             assert!(lost < 1e-3, "{lost}");
