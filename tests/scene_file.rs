@@ -328,6 +328,15 @@ fn coefficients_in_the_wrong_unit_are_noticed() {
     assert_eq!(hint("0"), "");
 }
 
+#[test]
+fn dispersion_that_is_not_rendered_is_said() {
+    for (material, said) in [("ior = 1.5\nabbe = 58", true), ("ior = 1.5", false)] {
+        let material = format!("[material.m]\ntype = 'dielectric'\n{material}\n");
+        let warnings = read(&[SPHERE, &material, LIGHT, CAMERA].concat()).expect("a scene").warnings;
+        assert_eq!(warnings.concat().contains("`m`: rendered without dispersion"), said, "{warnings:?}");
+    }
+}
+
 /// Files of others, where they are at hand.
 fn assets() -> Option<PathBuf> {
     let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/assets");

@@ -128,6 +128,18 @@ impl Bsdf {
         }
     }
 
+    /// True if light can come from the other side of the surface.
+    pub fn transmits(&self) -> bool {
+        match self {
+            Self::Diffuse { .. } | Self::Metal(_) => false,
+            Self::Dielectric(_) | Self::ThinDielectric(_) => true,
+            Self::Plastic(plastic) => !plastic.transmittance.is_black(),
+            Self::MetallicRoughness(m) => {
+                m.metallic < 1.0 && (m.transmission > 0.0 || m.diffuse_transmission > 0.0)
+            }
+        }
+    }
+
     /// A cheap guess of the largest share of light scattered towards `wo`, by which mixtures choose
     /// among their parts. Zero only where nothing is scattered.
     pub(super) fn albedo_estimate(&self, wo: Vec3) -> f32 {

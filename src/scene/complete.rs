@@ -8,9 +8,14 @@ use super::shape::horizontal_frame;
 use super::{Camera, Environment, Light, ScatteringInput, Scene, SceneError, Surface};
 use crate::radiometry::Rgb;
 
-/// Sets the camera, or frames the objects; adds soft light if there is none; warns of units that
-/// look wrong. An error if there is nothing to see.
-pub fn complete(scene: &mut Scene, camera: Option<Camera>, file: &Path) -> Result<(), SceneError> {
+/// Sets the camera, or frames the objects; adds soft light if the scene `has_lights` of its own not; warns of
+/// units that look wrong. An error if there is nothing to see.
+pub fn complete(
+    scene: &mut Scene,
+    camera: Option<Camera>,
+    has_lights: bool,
+    file: &Path,
+) -> Result<(), SceneError> {
     let bounds = scene_bounds(scene).ok_or_else(|| SceneError::file(file, "the scene has no triangles"))?;
     if !bounds.diagonal().is_finite() {
         return Err(SceneError::file(file, "the objects reach beyond the range of single precision"));
@@ -19,11 +24,13 @@ pub fn complete(scene: &mut Scene, camera: Option<Camera>, file: &Path) -> Resul
         scene.warnings.push("no camera: looking at all objects from the front, right and above".into());
         framing_camera(&bounds, scene.film.width as f32 / scene.film.height as f32)
     });
-    if !has_light(scene) {
-        scene.warnings.push("no lights, emission or environment: lit by a soft default rig".into());
+    if !has_lights {
+        scene.warnings.push("no lights: lit by a soft default rig".into());
         add_default_lights(scene, &bounds);
     }
-    let hints: Vec<String> = (0..scene.instances.len()).filter_map(|i| unit_hint(scene, i)).collect();
+    let instances = 0..scene.instances.len();
+    let hints: Vec<String> =
+        instances.flat_map(|i| [unit_hint(scene, i), dispersion_hint(scene, i)]).flatten().collect();
     for hint in hints {
         if !scene.warnings.contains(&hint) {
             scene.warnings.push(hint);
@@ -84,13 +91,6 @@ fn framing_camera(bounds: &Bounds, aspect: f32) -> Camera {
     Camera { position: center + back * distance, target: center, ..default }
 }
 
-fn has_light(scene: &Scene) -> bool {
-    let emits = |material: usize| !scene.materials[material].emission.factor.is_black();
-    !scene.lights.is_empty()
-        || scene.environment.is_some()
-        || scene.instances.iter().any(|instance| emits(instance.material))
-}
-
 /// An environment of radiance 0.3 and a key light from above left of the camera. A white diffuse
 /// surface that faces the key light comes to a radiance of about 1: the light is as wide as the box
 /// (2r) at four times its half diagonal r, so its irradiance is 10·(2r)²/(4r)² = 2.5, and
@@ -134,6 +134,19 @@ fn unit_hint(scene: &Scene, instance: usize) -> Option<String> {
             rounded(1000.0 * wrong),
             rounded(1000.0 * size)
         )
+    })
+}
+
+/// A warning if the material has a dispersion, which is read but not rendered.
+fn dispersion_hint(scene: &Scene, instance: usize) -> Option<String> {
+    let material = &scene.materials[scene.instances[instance].material];
+    let abbe = match &material.surface {
+        Surface::Dielectric { abbe, .. } => *abbe,
+        Surface::MetallicRoughness(surface) => surface.abbe,
+        _ => None,
+    };
+    abbe.map(|_| {
+        format!("material `{}`: rendered without dispersion: all wavelengths refract alike", material.name)
     })
 }
 

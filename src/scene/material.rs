@@ -24,32 +24,69 @@ pub struct Material {
 impl Material {
     /// The textures that the material looks up, by index; one may occur more than once.
     pub fn textures(&self) -> Vec<usize> {
-        let mut textures: Vec<Option<usize>> = vec![self.emission.texture, self.normal_map.map(|(t, _)| t)];
-        let scalar = |input: &ScalarInput| input.texture.map(|(texture, _)| texture);
-        match &self.coverage {
+        let mut textures = Vec::new();
+        self.clone().for_each_texture_mut(|texture| textures.push(*texture));
+        textures
+    }
+
+    /// Calls `visit` with every texture index in the material.
+    pub fn for_each_texture_mut(&mut self, mut visit: impl FnMut(&mut usize)) {
+        let mut colors = vec![&mut self.emission];
+        let mut scalars = Vec::new();
+        match &mut self.coverage {
             Coverage::Full => {}
-            Coverage::Mask { alpha, .. } | Coverage::Blend { alpha } => textures.push(scalar(alpha)),
+            Coverage::Mask { alpha, .. } | Coverage::Blend { alpha } => scalars.push(alpha),
         }
-        match &self.surface {
-            Surface::Diffuse { reflectance } => textures.push(reflectance.texture),
+        match &mut self.surface {
+            Surface::Diffuse { reflectance } => colors.push(reflectance),
             Surface::Metal { reflectance, roughness } => {
-                textures.extend([reflectance.texture, scalar(roughness)]);
+                colors.push(reflectance);
+                scalars.push(roughness);
             }
-            Surface::MetallicRoughness(s) => textures.extend([
-                s.base_color.texture,
-                scalar(&s.metallic),
-                scalar(&s.roughness),
-                scalar(&s.transmission),
-                scalar(&s.diffuse_transmission),
-                s.diffuse_transmission_color.texture,
-            ]),
-            Surface::Dielectric { roughness, tint, .. } => textures.extend([scalar(roughness), tint.texture]),
+            Surface::MetallicRoughness(m) => {
+                colors.extend([&mut m.base_color, &mut m.diffuse_transmission_color]);
+                scalars.extend([
+                    &mut m.metallic,
+                    &mut m.roughness,
+                    &mut m.transmission,
+                    &mut m.diffuse_transmission,
+                ]);
+            }
+            Surface::Dielectric { roughness, tint, .. } => {
+                colors.push(tint);
+                scalars.push(roughness);
+            }
             Surface::Translucent { medium: ScatteringInput::Albedo { albedo, .. }, .. } => {
-                textures.push(albedo.texture);
+                colors.push(albedo)
             }
             Surface::Translucent { medium: ScatteringInput::Coefficients { .. }, .. } => {}
         }
-        textures.into_iter().flatten().collect()
+        colors.into_iter().filter_map(|input| input.texture.as_mut()).for_each(&mut visit);
+        scalars.into_iter().filter_map(|input| input.texture.as_mut()).for_each(|(t, _)| visit(t));
+        self.normal_map.iter_mut().for_each(|(texture, _)| visit(texture));
+    }
+
+    /// The base colour of a material read from glTF, whatever surface it became; `None` if there is none.
+    pub fn base_color(&self) -> Option<ColorInput> {
+        match &self.surface {
+            Surface::Diffuse { reflectance } => Some(*reflectance),
+            Surface::Metal { reflectance, .. } => Some(*reflectance),
+            Surface::MetallicRoughness(m) => Some(m.base_color),
+            Surface::Dielectric { tint, .. } => Some(*tint),
+            Surface::Translucent { .. } => None,
+        }
+    }
+
+    /// The constant factor of the roughness; `None` if the surface has none.
+    pub fn roughness(&self) -> Option<f32> {
+        match &self.surface {
+            Surface::Diffuse { .. } => None,
+            Surface::Metal { roughness, .. } | Surface::Dielectric { roughness, .. } => {
+                Some(roughness.factor)
+            }
+            Surface::MetallicRoughness(m) => Some(m.roughness.factor),
+            Surface::Translucent { roughness, .. } => Some(*roughness),
+        }
     }
 }
 

@@ -18,7 +18,7 @@ pub fn read_scene(path: &Path) -> Result<Scene, SceneError> {
         "glb" | "gltf" => {
             let gltf = read_gltf(path)?;
             let mut scene = gltf.scene;
-            complete(&mut scene, gltf.camera, path)?;
+            complete(&mut scene, gltf.camera, gltf.has_lights, path)?;
             Ok(scene)
         }
         _ => Err(SceneError::file(

@@ -4,12 +4,14 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 
+use super::light_choice::{LightChoice, Reach, Receiver};
 use super::world::{Substance, SurfacePoint, World};
 use crate::math::distribution::{Discrete, Piecewise2d};
 use crate::math::{Frame, warp};
 use crate::radiometry::Rgb;
-use crate::raycast::RayCaster;
+use crate::raycast::{Hit, RayCaster};
 use crate::scene::environment::{direction_to_uv, uv_to_direction};
+use crate::scene::light::spot_falloff;
 use crate::scene::{Environment, Light};
 
 /// Light towards a point from one direction.
@@ -27,86 +29,71 @@ pub struct LightSample {
     pub density: Option<f32>,
 }
 
+/// An instance whose material emits.
+struct EmissiveMesh {
+    instance: u32,
+    /// m².
+    area: f32,
+    /// By area.
+    triangles: Discrete,
+}
+
 enum Emitter {
     Light(usize),
-    /// Instance, and its triangles by area.
-    Mesh(u32, Discrete),
+    Mesh(EmissiveMesh),
     Environment(Piecewise2d),
 }
 
-/// All emitters, chosen by power.
+/// All emitters.
 pub struct LightSampler {
     emitters: Vec<Emitter>,
-    choice: Discrete,
+    choice: LightChoice,
     of_light: Vec<Option<usize>>,
     of_instance: Vec<Option<usize>>,
     of_environment: Option<usize>,
-    /// Area of each emissive mesh, m².
-    area: Vec<f32>,
 }
 
 impl LightSampler {
-    /// Collects the emitters of `world`.
+    /// Collects the emitters of `world`, whose geometry fits a sphere of radius `world_radius`.
     pub fn new<C: RayCaster>(world: &World<C>, world_radius: f32) -> Self {
         let scene = world.scene();
-        let mut sampler = Self {
-            emitters: Vec::new(),
-            choice: Discrete::default(),
-            of_light: vec![None; scene.lights.len()],
-            of_instance: vec![None; world.substances().len()],
-            of_environment: None,
-            area: Vec::new(),
+        let mut emitters = Vec::new();
+        let mut reaches = Vec::new();
+        let mut add = |emitter, reach| {
+            emitters.push(emitter);
+            reaches.push(reach);
+            emitters.len() - 1
         };
-        let mut powers = Vec::new();
-        for (index, light) in scene.lights.iter().enumerate() {
-            let power = power(light, world_radius);
-            if power > 0.0 {
-                sampler.of_light[index] = Some(sampler.push(Emitter::Light(index), 0.0));
-                powers.push(power);
-            }
-        }
-        for (index, substance) in world.substances().iter().enumerate() {
-            let Substance::Material(material) = *substance else { continue };
-            let radiance = mean_emission(world, material);
-            if radiance <= 0.0 {
-                continue;
-            }
-            let areas = triangle_areas(world, index as u32);
-            let area = areas.iter().map(|&a| f64::from(a)).sum::<f64>() as f32;
-            if area > 0.0 {
-                let emitter = Emitter::Mesh(index as u32, Discrete::new(areas));
-                sampler.of_instance[index] = Some(sampler.push(emitter, area));
-                powers.push(PI * area * radiance);
-            }
-        }
-        if let Some(environment @ Environment::Map { .. }) = &scene.environment {
-            let (distribution, mean) = environment_distribution(environment);
-            if !distribution.is_empty() {
-                sampler.of_environment = Some(sampler.push(Emitter::Environment(distribution), 0.0));
-                powers.push(4.0 * PI * PI * world_radius * world_radius * mean);
-            }
-        }
-        // Half by power, half alike: a weak light close by may still be the one that counts.
-        let total: f32 = powers.iter().sum();
-        let count = powers.len() as f32;
-        sampler.choice = Discrete::new(powers.iter().map(|p| 0.5 * p / total + 0.5 / count));
-        sampler
+        let of_light = scene
+            .lights
+            .iter()
+            .enumerate()
+            .map(|(index, light)| reach(light).map(|reach| add(Emitter::Light(index), reach)))
+            .collect();
+        let of_instance = (0..world.substances().len() as u32)
+            .map(|instance| emissive_mesh(world, instance).map(|(emitter, reach)| add(emitter, reach)))
+            .collect();
+        let of_environment = scene
+            .environment
+            .as_ref()
+            .and_then(environment_emitter)
+            .map(|(emitter, reach)| add(emitter, reach));
+        let choice = LightChoice::new(reaches, world_radius);
+        Self { emitters, choice, of_light, of_instance, of_environment }
     }
 
-    fn push(&mut self, emitter: Emitter, area: f32) -> usize {
-        self.emitters.push(emitter);
-        self.area.push(area);
-        self.emitters.len() - 1
-    }
-
-    /// Draws light towards `point`; `u` chooses the emitter and, reused, the point on it with `v`.
-    pub fn sample<C: RayCaster>(&self, world: &World<C>, point: Vec3, u: [f32; 3]) -> Option<LightSample> {
-        let (index, probability, _) = self.choice.sample(u[0])?;
+    /// Draws light for `receiver`; `u[0]` chooses the emitter, the others the point on it.
+    pub fn sample<C: RayCaster>(
+        &self,
+        world: &World<C>,
+        receiver: &Receiver,
+        u: [f32; 3],
+    ) -> Option<LightSample> {
+        let (index, probability) = self.choice.sample(receiver, u[0])?;
+        let point = receiver.position;
         let sample = match &self.emitters[index] {
             Emitter::Light(light) => sample_light(&world.scene().lights[*light], point, u[1], u[2]),
-            Emitter::Mesh(instance, triangles) => {
-                sample_mesh(world, *instance, triangles, self.area[index], point, u[1], u[2])
-            }
+            Emitter::Mesh(mesh) => sample_mesh(world, mesh, point, u[1], u[2]),
             Emitter::Environment(distribution) => {
                 sample_environment(world.scene().environment.as_ref()?, distribution, u[1], u[2])
             }
@@ -118,55 +105,105 @@ impl LightSampler {
         })
     }
 
-    /// Density per solid angle with which [`Self::sample`] at `origin` finds the point `hit` on an
-    /// emitter, seen in unit `direction` at `distance`.
+    /// Density per solid angle with which [`Self::sample`] for `receiver` finds the point `hit` on an
+    /// emitter, seen in unit `direction`.
     pub fn density<C: RayCaster>(
         &self,
         world: &World<C>,
-        origin: Vec3,
+        receiver: &Receiver,
         direction: Vec3,
-        distance: f32,
         hit: &SurfacePoint,
     ) -> f32 {
+        let index = match world.substance(hit.instance) {
+            Substance::Light(light) => self.of_light[light],
+            Substance::Material(_) => self.of_instance[hit.instance as usize],
+        };
+        let Some(index) = index else { return 0.0 };
+        let squared = hit.position.distance_squared(receiver.position);
         let cos = direction.dot(hit.geometric_normal).abs();
-        match world.substance(hit.instance) {
-            Substance::Light(light) => self.of_light[light].map_or(0.0, |index| {
-                self.choice.probability(index)
-                    * light_density(&world.scene().lights[light], origin, distance, cos)
-            }),
-            Substance::Material(_) => self.of_instance[hit.instance as usize].map_or(0.0, |index| {
-                self.choice.probability(index) * distance * distance / (cos * self.area[index])
-            }),
-        }
+        let density = match &self.emitters[index] {
+            Emitter::Light(light) => {
+                light_density(&world.scene().lights[*light], receiver.position, squared, cos)
+            }
+            Emitter::Mesh(mesh) => squared / (cos * mesh.area),
+            Emitter::Environment(_) => 0.0,
+        };
+        self.choice.probability(receiver, index) * density
     }
 
-    /// Density per solid angle with which [`Self::sample`] finds the environment in unit `direction`.
-    pub fn environment_density(&self, environment: &Environment, direction: Vec3) -> f32 {
+    /// Density per solid angle with which [`Self::sample`] for `receiver` finds the environment in unit
+    /// `direction`.
+    pub fn environment_density(
+        &self,
+        environment: &Environment,
+        receiver: &Receiver,
+        direction: Vec3,
+    ) -> f32 {
         let Some(index) = self.of_environment else { return 0.0 };
         let Emitter::Environment(distribution) = &self.emitters[index] else { return 0.0 };
         let Environment::Map { rotation, .. } = environment else { return 0.0 };
         let uv = direction_to_uv(*rotation * direction);
-        self.choice.probability(index) * distribution.density(uv.x, uv.y) / (2.0 * PI * PI * sin_polar(uv.y))
+        let density = distribution.density(uv.x, uv.y) / (2.0 * PI * PI * sin_polar(uv.y));
+        self.choice.probability(receiver, index) * density
     }
 }
 
-/// Radiant power, channels averaged, W: only to choose between lights.
-fn power(light: &Light, world_radius: f32) -> f32 {
-    match light {
-        Light::Quad { half_u, half_v, radiance, .. } => {
-            PI * 4.0 * half_u.cross(*half_v).length() * radiance.mean()
+/// Where `light` is and what it sends; `None` if it sends nothing.
+fn reach(light: &Light) -> Option<Reach> {
+    let near = |center: Vec3, radius: f32, normal: Option<Vec3>, intensity: f32| Reach::Near {
+        center,
+        radius,
+        normal,
+        intensity,
+    };
+    let (reach, value) = match *light {
+        Light::Quad { center, half_u, half_v, radiance } => {
+            let cross = half_u.cross(half_v);
+            let radius = (half_u.length_squared() + half_v.length_squared()).sqrt();
+            let intensity = 4.0 * cross.length() * radiance.mean();
+            (near(center, radius, Some(cross.normalize_or_zero()), intensity), radiance)
         }
-        Light::Disk { radius, radiance, .. } => PI * PI * radius * radius * radiance.mean(),
-        Light::Sphere { radius, radiance, .. } => 4.0 * PI * PI * radius * radius * radiance.mean(),
-        Light::Point { intensity, .. } => 4.0 * PI * intensity.mean(),
-        Light::Spot { intensity, outer_angle, .. } => 2.0 * PI * (1.0 - outer_angle.cos()) * intensity.mean(),
-        Light::Directional { irradiance, .. } => PI * world_radius * world_radius * irradiance.mean(),
-    }
+        Light::Disk { center, normal, radius, radiance } => {
+            (near(center, radius, Some(normal), PI * radius * radius * radiance.mean()), radiance)
+        }
+        Light::Sphere { center, radius, radiance } => {
+            (near(center, radius, None, PI * radius * radius * radiance.mean()), radiance)
+        }
+        Light::Point { position, intensity } => (near(position, 0.0, None, intensity.mean()), intensity),
+        Light::Spot { position, intensity, .. } => (near(position, 0.0, None, intensity.mean()), intensity),
+        Light::Directional { direction, irradiance } => {
+            (Reach::Far { direction: Some(-direction), irradiance: irradiance.mean() }, irradiance)
+        }
+    };
+    (!value.is_black()).then_some(reach)
 }
 
-fn mean_emission<C: RayCaster>(world: &World<C>, material: usize) -> f32 {
-    // The factor bounds what a texture leaves of it; good enough to choose between lights.
-    world.scene().materials[material].emission.factor.mean()
+/// The triangles of an instance as an emitter; `None` if it does not emit.
+fn emissive_mesh<C: RayCaster>(world: &World<C>, instance: u32) -> Option<(Emitter, Reach)> {
+    let Substance::Material(material) = world.substance(instance) else { return None };
+    // The factor bounds what a texture leaves of it: good enough to choose between lights.
+    let radiance = world.scene().materials[material].emission.factor.mean();
+    let areas = if radiance > 0.0 { triangle_areas(world, instance) } else { Vec::new() };
+    let area = areas.iter().map(|&a| f64::from(a)).sum::<f64>() as f32;
+    if area <= 0.0 {
+        return None;
+    }
+    let (low, high) = world.bounds(instance);
+    // Seen from afar a convex closed surface shows a quarter of its area, on average over directions.
+    let reach = Reach::Near {
+        center: 0.5 * (low + high),
+        radius: 0.5 * (high - low).length(),
+        normal: None,
+        intensity: 0.25 * area * radiance,
+    };
+    Some((Emitter::Mesh(EmissiveMesh { instance, area, triangles: Discrete::new(areas) }), reach))
+}
+
+fn environment_emitter(environment: &Environment) -> Option<(Emitter, Reach)> {
+    let Environment::Map { .. } = environment else { return None };
+    let (distribution, mean) = environment_distribution(environment);
+    let reach = Reach::Far { direction: None, irradiance: PI * mean };
+    (!distribution.is_empty()).then(|| (Emitter::Environment(distribution), reach))
 }
 
 fn triangle_areas<C: RayCaster>(world: &World<C>, instance: u32) -> Vec<f32> {
@@ -254,14 +291,6 @@ fn from_point(point: Vec3, position: Vec3, intensity: Rgb) -> Option<LightSample
     })
 }
 
-/// Share of the axial intensity at angle arccos(`cos`) from the axis (KHR_lights_punctual: the square of
-/// a ramp in the cosine).
-pub fn spot_falloff(cos: f32, inner_angle: f32, outer_angle: f32) -> f32 {
-    let (inner, outer) = (inner_angle.cos(), outer_angle.cos());
-    let ramp = ((cos - outer) / (inner - outer).max(1e-6)).clamp(0.0, 1.0);
-    ramp * ramp
-}
-
 /// 1 − cosine of the half angle under which a sphere is seen from squared distance `squared`; `None`
 /// from inside.
 fn cone_of_sphere(squared: f32, radius: f32) -> Option<f32> {
@@ -270,8 +299,8 @@ fn cone_of_sphere(squared: f32, radius: f32) -> Option<f32> {
     (sin2 < 1.0).then(|| sin2 / (1.0 + (1.0 - sin2).sqrt()))
 }
 
-fn light_density(light: &Light, origin: Vec3, distance: f32, cos: f32) -> f32 {
-    let by_area = |area: f32| distance * distance / (cos * area);
+fn light_density(light: &Light, origin: Vec3, squared: f32, cos: f32) -> f32 {
+    let by_area = |area: f32| squared / (cos * area);
     match light {
         Light::Quad { half_u, half_v, .. } => by_area(4.0 * half_u.cross(*half_v).length()),
         Light::Disk { radius, .. } => by_area(PI * radius * radius),
@@ -284,30 +313,28 @@ fn light_density(light: &Light, origin: Vec3, distance: f32, cos: f32) -> f32 {
 
 fn sample_mesh<C: RayCaster>(
     world: &World<C>,
-    instance: u32,
-    triangles: &Discrete,
-    area: f32,
+    mesh: &EmissiveMesh,
     point: Vec3,
     u: f32,
     v: f32,
 ) -> Option<LightSample> {
-    let (primitive, _, u) = triangles.sample(u)?;
+    let (primitive, _, u) = mesh.triangles.sample(u)?;
     let barycentric = warp::square_to_triangle(u, v);
-    let hit = crate::raycast::Hit {
+    let on_triangle = Hit {
         t: 0.0,
         u: barycentric.x,
         v: barycentric.y,
-        instance,
+        instance: mesh.instance,
         primitive: primitive as u32,
     };
-    let surface = world.surface(&hit);
-    let Substance::Material(index) = world.substance(instance) else { return None };
+    let surface = world.surface(&on_triangle);
+    let Substance::Material(index) = world.substance(mesh.instance) else { return None };
     let material = &world.scene().materials[index];
     let radiance = world.scene().color(&material.emission, surface.texture_coordinates, surface.color);
     let toward = point - surface.position;
     let normal = surface.geometric_normal;
     let normal = if material.double_sided && toward.dot(normal) < 0.0 { -normal } else { normal };
-    from_area(point, surface.position, normal, radiance, 1.0 / area)
+    from_area(point, surface.position, normal, radiance, 1.0 / mesh.area)
 }
 
 fn sin_polar(y: f32) -> f32 {

@@ -3,6 +3,7 @@
 pub mod area_integral;
 pub mod counters;
 pub mod interiors;
+pub mod light_choice;
 pub mod light_sampling;
 mod path;
 pub mod renderer;

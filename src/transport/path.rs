@@ -5,13 +5,14 @@ use glam::Vec3;
 use super::area_integral::{AreaIntegral, Channels, EntryPoint};
 use super::counters::Counters;
 use super::interiors::Interiors;
+use super::light_choice::Receiver;
 use super::renderer::Renderer;
 use super::scatterer::Scattering;
 use super::shading::{Orientation, emitted, is_covered, resolve_bsdf};
 use super::world::{Substance, SurfacePoint};
 use crate::math::robust::offset_from_surface;
 use crate::math::{Frame, SampleStream};
-use crate::optics::Boundary;
+use crate::optics::{Boundary, Bsdf};
 use crate::radiometry::Rgb;
 use crate::raycast::{Ray, RayCaster};
 use crate::scene::{Method, ScatteringInput};
@@ -51,7 +52,7 @@ const MOST_PASSED: u32 = 256;
 /// The vertex a ray was scattered from, where direct light could have been drawn as well.
 #[derive(Clone, Copy)]
 struct Origin {
-    position: Vec3,
+    receiver: Receiver,
     /// Density per solid angle of the direction taken.
     density: f32,
 }
@@ -158,7 +159,10 @@ impl<'a, C: RayCaster> Path<'a, C> {
 
     /// Ends paths that carry little, so that the rest carry as much more.
     fn survives_roulette(&mut self) -> bool {
-        let carried = self.throughput.max_component();
+        // Radiance inside a body is n² times that outside, which its throughput makes up for: what a path
+        // brings to the camera is judged without that factor.
+        let index = self.interiors.current().map_or(1.0, |inside| inside.ior);
+        let carried = self.throughput.max_component() * index * index;
         let u = self.stream.quad(self.set(place::SCATTER))[3];
         self.bounce += 1;
         if !(carried > 0.0 && carried.is_finite()) {
@@ -192,7 +196,8 @@ impl<'a, C: RayCaster> Path<'a, C> {
     fn add_environment(&mut self, direction: Vec3) {
         let Some(environment) = &self.renderer.world.scene().environment else { return };
         let lights = &self.renderer.lights;
-        let weight = self.emission_weight(|_| lights.environment_density(environment, direction));
+        let weight = self
+            .emission_weight(|origin| lights.environment_density(environment, &origin.receiver, direction));
         self.radiance += self.throughput * environment.radiance(direction) * weight;
     }
 
@@ -201,10 +206,8 @@ impl<'a, C: RayCaster> Path<'a, C> {
             return;
         }
         let Renderer { world, lights, .. } = self.renderer;
-        let weight = self.emission_weight(|origin| {
-            let distance = origin.position.distance(surface.position);
-            lights.density(world, origin.position, direction, distance, surface)
-        });
+        let weight =
+            self.emission_weight(|origin| lights.density(world, &origin.receiver, direction, surface));
         self.radiance += self.throughput * radiance * weight;
     }
 
@@ -218,11 +221,17 @@ impl<'a, C: RayCaster> Path<'a, C> {
         }
     }
 
-    /// Light drawn directly at `surface`, through a lobe given by `response`.
-    fn add_direct(&mut self, place: u32, surface: &SurfacePoint, response: impl Fn(Vec3) -> Response) {
+    /// Light drawn directly for `receiver` at `surface`, through a lobe given by `response`.
+    fn add_direct(
+        &mut self,
+        place: u32,
+        surface: &SurfacePoint,
+        receiver: &Receiver,
+        response: impl Fn(Vec3) -> Response,
+    ) {
         let [u0, u1, u2, _] = self.stream.quad(self.set(place));
         let Renderer { world, lights, .. } = self.renderer;
-        let Some(light) = lights.sample(world, surface.position, [u0, u1, u2]) else { return };
+        let Some(light) = lights.sample(world, receiver, [u0, u1, u2]) else { return };
         let Response { value, density } = response(light.direction);
         if value.is_black() {
             return;
@@ -278,32 +287,38 @@ impl<'a, C: RayCaster> Path<'a, C> {
         let mut orientation = Orientation::new(world.scene(), material, surface, wo, two_sided);
         let frame = Frame::from_normal(orientation.shading);
         let local_wo = frame.to_local(wo);
+        let receiver = Receiver {
+            position: surface.position,
+            normal: (!bsdf.transmits()).then_some(orientation.geometric),
+        };
         if !bsdf.is_delta_only() {
-            self.add_direct(place::LIGHT, surface, |wi| {
-                if !orientation.agree(wi) {
-                    return Response { value: Rgb::ZERO, density: 0.0 };
-                }
-                let local = frame.to_local(wi);
-                Response { value: bsdf.evaluate(local_wo, local), density: bsdf.density(local_wo, local) }
+            self.add_direct(place::LIGHT, surface, &receiver, |wi| {
+                bsdf_response(&bsdf, &orientation, &frame, local_wo, wi)
             });
         }
         let [lobe, u, v, _] = self.stream.quad(self.set(place::SCATTER));
         let mut sample = bsdf.sample(local_wo, [u, v, lobe])?;
         let mut direction = frame.to_world(sample.direction);
-        if !orientation.agree(direction) && sample.delta {
+        if sample.delta && !orientation.agree(direction) {
             // The interpolated normal sends light through the wrong side: use the triangle's own.
             orientation.shading = orientation.geometric;
             let frame = Frame::from_normal(orientation.geometric);
             sample = bsdf.sample(frame.to_local(wo), [u, v, lobe])?;
             direction = frame.to_world(sample.direction);
+        } else if !sample.delta && orientation.folds(direction) {
+            if !orientation.agree(direction) {
+                direction = orientation.mirrored(direction);
+            }
+            let Response { value, density } = bsdf_response(&bsdf, &orientation, &frame, local_wo, direction);
+            sample.weight = if density > 0.0 { value / density } else { Rgb::ZERO };
+            sample.density = density;
         }
-        if !orientation.agree(direction) {
+        if direction.dot(orientation.geometric) == 0.0 {
             self.counters.rejected += 1;
             return None;
         }
         self.throughput *= sample.weight;
-        self.scattered_from =
-            (!sample.delta).then_some(Origin { position: surface.position, density: sample.density });
+        self.scattered_from = (!sample.delta).then_some(Origin { receiver, density: sample.density });
         if sample.crosses_boundary {
             let interior = world.interior(surface.instance);
             match interior {
@@ -322,14 +337,14 @@ impl<'a, C: RayCaster> Path<'a, C> {
         let boundary = scattering.boundary;
         let frame = Frame::from_normal(orientation.shading);
         let local_wo = frame.to_local(wo);
+        let respond = |wi: Vec3| {
+            let lobe = |wi| boundary.evaluate_reflection(local_wo, frame.to_local(wi));
+            let value: f32 = orientation.unfolded(wi).map(lobe).sum();
+            Response { value: Rgb::splat(value), density: value }
+        };
+        let receiver = orientation.receiver(surface);
         if !boundary.is_smooth() {
-            self.add_direct(place::LIGHT, surface, |wi| {
-                if wi.dot(orientation.geometric) <= 0.0 {
-                    return Response { value: Rgb::ZERO, density: 0.0 };
-                }
-                let value = boundary.evaluate_reflection(local_wo, frame.to_local(wi));
-                Response { value: Rgb::splat(value), density: value }
-            });
+            self.add_direct(place::LIGHT, surface, &receiver, respond);
         }
         // A reflection is drawn and kept with its weight as probability, so that the share E is
         // reflected and 1 − E enters, both with weight 1, and the density of a direction kept is the lobe's value.
@@ -338,13 +353,12 @@ impl<'a, C: RayCaster> Path<'a, C> {
             return self.scatter_below(material, surface, &orientation, &scattering);
         };
         let mut direction = frame.to_world(sample.direction);
-        let height = direction.dot(orientation.geometric);
-        if height <= 0.0 {
+        if direction.dot(orientation.geometric) <= 0.0 {
             // Below the surface by the interpolated normal only: mirror it up, losing nothing.
-            direction -= orientation.geometric * (2.0 * height);
+            direction = orientation.mirrored(direction);
         }
-        self.scattered_from = (!boundary.is_smooth())
-            .then_some(Origin { position: surface.position, density: sample.density * sample.weight });
+        self.scattered_from =
+            (!boundary.is_smooth()).then(|| Origin { receiver, density: respond(direction).density });
         Some(Next { origin: leave(surface, direction), direction })
     }
 
@@ -409,31 +423,45 @@ impl<'a, C: RayCaster> Path<'a, C> {
     /// Light enters a translucent body at `point` by the normalised lobe S_w.
     fn enter(&mut self, point: &SurfacePoint, orientation: &Orientation, boundary: &Boundary) -> Next {
         let respond = |wi: Vec3| entry_response(boundary, orientation, wi);
-        self.add_direct(place::ENTRY_LIGHT, point, respond);
+        let receiver = orientation.receiver(point);
+        self.add_direct(place::ENTRY_LIGHT, point, &receiver, respond);
         let [u, v, _, _] = self.stream.quad(self.set(place::ENTRY));
         let mut direction = Frame::from_normal(orientation.shading).to_world(boundary.sample_exit([u, v]));
-        let height = direction.dot(orientation.geometric);
-        if height < 0.0 {
-            direction -= orientation.geometric * (2.0 * height);
+        if direction.dot(orientation.geometric) < 0.0 {
+            direction = orientation.mirrored(direction);
         }
         let Response { value, density } = respond(direction);
         self.throughput *= if density > 0.0 { value / density } else { Rgb::ZERO };
-        self.scattered_from = Some(Origin { position: point.position, density });
+        self.scattered_from = Some(Origin { receiver, density });
         Next { origin: leave(point, direction), direction }
     }
 }
 
-/// The lobe S_w cosθ around the shading normal, and the density that samples it. What
-/// of it lies below the triangle's plane is folded up through the plane, so that it keeps its integral.
-fn entry_response(boundary: &Boundary, orientation: &Orientation, wi: Vec3) -> Response {
-    let height = wi.dot(orientation.geometric);
-    if height <= 0.0 {
-        return Response { value: Rgb::ZERO, density: 0.0 };
+/// The BSDF towards `wi` and the density that samples it, around the shading normal `frame` and folded by
+/// the plane of the triangle.
+fn bsdf_response(
+    bsdf: &Bsdf,
+    orientation: &Orientation,
+    frame: &Frame,
+    local_wo: Vec3,
+    wi: Vec3,
+) -> Response {
+    let mut response = Response { value: Rgb::ZERO, density: 0.0 };
+    for direction in orientation.unfolded(wi) {
+        let local = frame.to_local(direction);
+        response.value += bsdf.evaluate(local_wo, local);
+        response.density += bsdf.density(local_wo, local);
     }
-    let below = wi - orientation.geometric * (2.0 * height);
+    response
+}
+
+/// The lobe S_w cosθ around the shading normal and the density that samples it, folded by the plane of
+/// the triangle.
+fn entry_response(boundary: &Boundary, orientation: &Orientation, wi: Vec3) -> Response {
     let (mut value, mut density) = (0.0, 0.0);
-    for cos in [wi.dot(orientation.shading), below.dot(orientation.shading)] {
-        if cos > 0.0 {
+    if wi.dot(orientation.geometric) > 0.0 {
+        for direction in orientation.unfolded(wi) {
+            let cos = direction.dot(orientation.shading);
             value += boundary.exit_lobe(cos) * cos;
             density += boundary.exit_density(cos);
         }

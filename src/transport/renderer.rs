@@ -13,7 +13,7 @@ use crate::math::SampleStream;
 use crate::radiometry::Rgb;
 use crate::raycast::{Geometry, RayCaster, RaycastError};
 use crate::scene::camera::CameraRays;
-use crate::scene::{Method, ProfileChoice, ScatteringInput, Scene, Surface};
+use crate::scene::{ColorMode, Method, ProfileChoice, ScatteringInput, Scene, Surface};
 
 /// What a render can be asked for beyond the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,12 +64,12 @@ impl<C: RayCaster> Renderer<C> {
         options: RenderOptions,
         build: impl FnOnce(&Geometry) -> Result<C, RaycastError>,
     ) -> Result<Self, RenderError> {
-        check(&options)?;
+        check(&options, &scene)?;
         clear_bodies_without_scattering(&mut scene);
         let camera = scene.camera.rays(scene.film.width as f32 / scene.film.height as f32);
         let world = World::new(scene, build)?;
         let scene = world.scene();
-        let lights = LightSampler::new(&world, radius(scene));
+        let lights = LightSampler::new(&world, world.radius());
         let scatterers = (0..scene.materials.len()).map(|m| Scatterer::new(scene, m)).collect();
         // Upwards: any direction would do, and most scenes stand on a floor.
         let camera_interiors = world.interiors_at(scene.camera.position, Vec3::new(0.02, 0.999_8, 0.005));
@@ -99,7 +99,7 @@ impl<C: RayCaster> Renderer<C> {
     }
 }
 
-fn check(options: &RenderOptions) -> Result<(), RenderError> {
+fn check(options: &RenderOptions, scene: &Scene) -> Result<(), RenderError> {
     if options.method == Method::Walk {
         return Err(RenderError::Unavailable {
             option: "method",
@@ -112,6 +112,13 @@ fn check(options: &RenderOptions) -> Result<(), RenderError> {
             option: "profile",
             value: options.profile.name().into(),
             available: "auto, normalized-diffusion",
+        });
+    }
+    if scene.render.color_mode == ColorMode::Spectral {
+        return Err(RenderError::Unavailable {
+            option: "mode",
+            value: "spectral".into(),
+            available: "auto, rgb",
         });
     }
     Ok(())
@@ -132,18 +139,4 @@ fn clear_bodies_without_scattering(scene: &mut Scene) {
             };
         }
     }
-}
-
-/// Radius of a sphere around all geometry, m.
-fn radius(scene: &Scene) -> f32 {
-    let mut low = Vec3::INFINITY;
-    let mut high = Vec3::NEG_INFINITY;
-    for instance in &scene.instances {
-        for position in &scene.meshes[instance.mesh].positions {
-            let p = instance.transform.transform_point3(*position);
-            low = low.min(p);
-            high = high.max(p);
-        }
-    }
-    if low.x <= high.x { 0.5 * (high - low).length() } else { 1.0 }
 }

@@ -2,6 +2,7 @@
 
 use glam::{Vec3, Vec4Swizzles};
 
+use super::light_choice::Receiver;
 use super::world::SurfacePoint;
 use crate::optics::{Bsdf, Dielectric, Metal, MetallicRoughness};
 use crate::radiometry::Rgb;
@@ -45,9 +46,34 @@ impl Orientation {
         Self { geometric: surface.geometric_normal * sign, shading: shading * sign, flipped }
     }
 
+    /// The outside of `surface` as a receiver of light.
+    pub fn receiver(&self, surface: &SurfacePoint) -> Receiver {
+        Receiver { position: surface.position, normal: Some(self.geometric) }
+    }
+
     /// True if both normals see `direction` on the same side.
     pub fn agree(&self, direction: Vec3) -> bool {
         direction.dot(self.geometric) * direction.dot(self.shading) > 0.0
+    }
+
+    /// `direction` mirrored by the plane of the triangle.
+    pub fn mirrored(&self, direction: Vec3) -> Vec3 {
+        direction - self.geometric * (2.0 * direction.dot(self.geometric))
+    }
+
+    /// True if the lobe's value in `direction` is not all that comes to its side there (see
+    /// [`Self::unfolded`]).
+    pub fn folds(&self, direction: Vec3) -> bool {
+        !self.agree(direction) || self.unfolded(direction).count() != 1
+    }
+
+    /// The directions of a lobe around the shading normal that go to `direction` when all that lies on
+    /// the wrong side of the triangle is mirrored by its plane: the direction itself, its mirror image,
+    /// both or none. So a lobe keeps its integral, and no light is lost between the two normals.
+    pub fn unfolded(&self, direction: Vec3) -> impl Iterator<Item = Vec3> {
+        let side = direction.dot(self.geometric);
+        let candidates = [direction, self.mirrored(direction)].into_iter();
+        candidates.filter(move |candidate| candidate.dot(self.shading) * side > 0.0)
     }
 }
 

@@ -9,6 +9,7 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::Reader;
 use super::accessor::Usage;
+use super::tangents::add_tangents;
 use crate::scene::{Mesh, SceneError};
 
 /// Accessors of the vertex attributes that are read.
@@ -81,6 +82,11 @@ impl Reader<'_> {
                 continue;
             }
             let material = self.material(part.material, &format!("/meshes/{index}"))?;
+            if let (Some((texture, _)), true) =
+                (self.scene.materials[material].normal_map, part.mesh.tangents.is_empty())
+            {
+                add_tangents(&mut part.mesh, self.scene.textures[texture].coordinate_set);
+            }
             finished.push((self.scene.meshes.len(), material));
             self.scene.meshes.push(part.mesh);
         }

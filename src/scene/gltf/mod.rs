@@ -10,7 +10,7 @@
 //! | `document` | container, JSON, versions, extensions, buffers |
 //! | `uri` | data URIs and files beside the scene |
 //! | `accessor` | numbers out of buffers: strided, sparse, normalised |
-//! | `geometry` | primitives to triangle meshes |
+//! | `geometry`, `tangents` | primitives to triangle meshes |
 //! | `nodes` | the node hierarchy to placed instances |
 //! | `material`, `translucent`, `volume`, `extensions` | materials, and what is inside them |
 //! | `image` | textures, samplers, pictures |
@@ -25,6 +25,7 @@ mod image;
 mod light;
 mod material;
 mod nodes;
+mod tangents;
 mod translucent;
 mod uri;
 mod volume;
@@ -45,7 +46,8 @@ pub struct GltfScene {
     pub scene: Scene,
     /// The first perspective camera in the order of the nodes.
     pub camera: Option<Camera>,
-    /// True if something emits: a light, or a material.
+    /// True if something is meant as light: a light, or a material that emits more than a white page
+    /// shows, radiance 1 (labels and displays glow below it, KHR_materials_emissive_strength lifts above).
     pub has_lights: bool,
 }
 
@@ -125,7 +127,7 @@ impl<'a> Reader<'a> {
         let file = self.document.file.display();
         self.scene.warnings = warnings.into_iter().map(|line| format!("{file}: {line}")).collect();
         let emits = |&(_, material): &(usize, usize)| {
-            self.scene.materials.get(material).is_some_and(|m| !m.emission.factor.is_black())
+            self.scene.materials.get(material).is_some_and(|m| m.emission.factor.max_component() > 1.0)
         };
         let has_lights = !self.scene.lights.is_empty() || self.meshes.values().flatten().any(emits);
         Ok(GltfScene { scene: self.scene, camera: self.camera, has_lights })

@@ -29,7 +29,7 @@ pub struct Table<'a> {
 }
 
 /// A value of the document.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Value<'a> {
     source: &'a Source<'a>,
     path: String,

@@ -1,6 +1,7 @@
 //! `[material.NAME]`.
 
 use super::document::{Read, Table, Value};
+use super::replacement::Inherits;
 use crate::medium::presets::measured_material;
 use crate::radiometry::Rgb;
 use crate::scene::material::MetallicRoughness;
@@ -23,6 +24,9 @@ const KINDS: [(&str, Kind); 5] = [
     ("gltf", Kind::Gltf),
 ];
 
+/// The albedo that stands for the base colour of the glTF material replaced.
+const BASE_COLOR: &str = "base-color";
+
 /// Keys that every material has.
 const COMMON: [&str; 3] = ["type", "emission", "double_sided"];
 
@@ -43,6 +47,12 @@ pub fn material(name: &str, table: &Table, warnings: &mut Vec<String>) -> Read<M
         double_sided: table.optional("double_sided", Value::boolean)?.unwrap_or(false),
         ..Material::default()
     })
+}
+
+/// What a material with `albedo = "base-color"` leaves to the glTF material that it replaces.
+pub fn inherits(table: &Table) -> Option<Inherits> {
+    let named = table.get("albedo").is_some_and(|value| value.text() == Ok(BASE_COLOR));
+    named.then(|| Inherits { roughness: !table.has("roughness") })
 }
 
 fn only(table: &Table, keys: &[&str]) -> Read<()> {
@@ -92,7 +102,7 @@ fn medium(table: &Table) -> Read<(ScatteringInput, Option<f32>)> {
     } else if given(1) {
         measured(table, g)
     } else if given(2) {
-        let albedo = table.required("albedo", color(Value::rgb_fraction))?;
+        let albedo = table.required("albedo", albedo)?;
         let length = |v: &Value| v.rgb_where(|x| x > 0.0, "greater than 0");
         let mean_free_path = table.required("mean_free_path", length)?;
         Ok((ScatteringInput::Albedo { albedo, mean_free_path, g }, None))
@@ -106,6 +116,14 @@ fn medium(table: &Table) -> Read<(ScatteringInput, Option<f32>)> {
             "what is inside? Give `sigma_a` and `sigma_s`, or `preset`, or `albedo` and `mean_free_path`, \
              or `single_scattering_albedo` and `sigma_t`",
         ))
+    }
+}
+
+/// A colour, or `"base-color"`, in whose place white stands until the glTF material is known.
+fn albedo(value: &Value) -> Read<ColorInput> {
+    match value.text() {
+        Ok(_) => value.choice(&[(BASE_COLOR, ColorInput::constant(Rgb::ONE))]),
+        Err(_) => color(Value::rgb_fraction)(value),
     }
 }
 

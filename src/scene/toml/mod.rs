@@ -6,6 +6,7 @@ mod light;
 mod material;
 mod object;
 mod placement;
+mod replacement;
 mod settings;
 mod transform;
 
@@ -15,6 +16,7 @@ use ::toml::de::DeTable;
 
 use self::document::{Read, Source, Table, Value, remedy};
 use self::placement::GltfFiles;
+use self::replacement::{Inherits, Replacement};
 use super::complete::complete;
 use super::{Scene, SceneError};
 
@@ -73,31 +75,57 @@ fn read_document(root: &Table) -> Read<Scene> {
     if let Some(table) = section("environment")? {
         scene.environment = Some(settings::environment(&table, &mut scene.warnings)?);
     }
-    complete(&mut scene, camera.or(files.camera), root.file())?;
+    let has_lights = has_lights(&scene);
+    complete(&mut scene, camera.or(files.camera), has_lights, root.file())?;
     Ok(scene)
 }
 
-/// The names of the materials of the file; their indices in the scene are those in this list.
+/// True if there is any light, however faint: whoever writes a scene file means what it says.
+fn has_lights(scene: &Scene) -> bool {
+    let emits = |material: usize| !scene.materials[material].emission.factor.is_black();
+    !scene.lights.is_empty()
+        || scene.environment.is_some()
+        || scene.instances.iter().any(|instance| emits(instance.material))
+}
+
+/// The materials of the file; their indices in the scene are those in these lists.
 struct Materials {
     names: Vec<String>,
+    inherits: Vec<Option<Inherits>>,
 }
 
 impl Materials {
     fn read(table: Option<Table>, scene: &mut Scene) -> Read<Self> {
-        let mut names = Vec::new();
+        let mut materials = Self { names: Vec::new(), inherits: Vec::new() };
         for (name, value) in table.iter().flat_map(Table::iter) {
-            scene.materials.push(material::material(name, &value.table()?, &mut scene.warnings)?);
-            names.push(name.to_owned());
+            let table = value.table()?;
+            scene.materials.push(material::material(name, &table, &mut scene.warnings)?);
+            materials.names.push(name.to_owned());
+            materials.inherits.push(material::inherits(&table));
         }
-        Ok(Self { names })
+        Ok(materials)
     }
 
-    /// The index of the material that `value` names.
-    fn index(&self, value: &Value) -> Read<usize> {
+    /// The material that `value` names, to replace those of a glTF file.
+    fn replacement<'a>(&self, value: &Value<'a>) -> Read<Replacement<'a>> {
         let name = value.text()?;
-        self.names.iter().position(|known| known == name).ok_or_else(|| {
+        let material = self.names.iter().position(|known| known == name).ok_or_else(|| {
             let names: Vec<&str> = self.names.iter().map(String::as_str).collect();
             value.error(format!("there is no [material.{name}]; {}", remedy(name, &names)))
-        })
+        })?;
+        Ok(Replacement { material, inherits: self.inherits[material], asked_at: value.clone() })
+    }
+
+    /// The index of the material that `value` names, for a shape.
+    fn index(&self, value: &Value) -> Read<usize> {
+        let Replacement { material, inherits, .. } = self.replacement(value)?;
+        match inherits {
+            None => Ok(material),
+            Some(_) => Err(value.error(format!(
+                "`{}` takes its albedo from the base colour of a glTF material, which a shape does not \
+                 have; give `albedo` in numbers",
+                self.names[material]
+            ))),
+        }
     }
 }

@@ -34,8 +34,8 @@ pub fn object(table: &Table, materials: &Materials, files: &mut GltfFiles, scene
     };
     if let Some(gltf) = table.get("gltf") {
         table.only(&[&COMMON, ["gltf"].as_slice()].concat())?;
-        let material = table.optional("material", |v| materials.index(v))?;
-        return files.place(&gltf.existing_file()?, material, transform, scene);
+        let material = table.optional("material", |v| materials.replacement(v))?;
+        return files.place(&gltf.existing_file()?, material.as_ref(), transform, scene);
     }
     if !table.has("shape") {
         // A misspelt `gltf` or `shape` is the likeliest reason.

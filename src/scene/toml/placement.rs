@@ -4,16 +4,15 @@ use std::path::{Path, PathBuf};
 
 use glam::Affine3A;
 
+use super::replacement::{Heirs, Replacement};
 use crate::scene::gltf::{GltfScene, read_gltf};
-use crate::scene::material::Coverage;
-use crate::scene::{
-    Camera, ColorInput, Instance, Light, Material, ScalarInput, ScatteringInput, Scene, SceneError, Surface,
-};
+use crate::scene::{Camera, Instance, Light, Scene, SceneError};
 
 /// The glTF files that a scene names: each is read once, however often it is placed.
 #[derive(Default)]
 pub struct GltfFiles {
     files: Vec<LoadedFile>,
+    heirs: Heirs,
     /// The first camera that was placed.
     pub camera: Option<Camera>,
 }
@@ -29,44 +28,51 @@ struct LoadedFile {
 
 impl GltfFiles {
     /// Adds everything in the file at `path` to `scene`, with `transform` applied, and with
-    /// `material` instead of the file's own if given.
+    /// `replacement` instead of the file's own materials if given.
     pub fn place(
         &mut self,
         path: &Path,
-        material: Option<usize>,
+        replacement: Option<&Replacement>,
         transform: Affine3A,
         scene: &mut Scene,
     ) -> Result<(), SceneError> {
-        let file = self.load(path, scene)?;
-        let first_material = match material {
-            Some(_) => 0,
-            None => *file.first_material.get_or_insert_with(|| move_materials(&mut file.gltf.scene, scene)),
+        let index = self.load(path, scene)?;
+        let file = &mut self.files[index];
+        let needs_own = replacement.is_none_or(|replacement| replacement.inherits.is_some());
+        let first_material = match needs_own {
+            true => *file.first_material.get_or_insert_with(|| move_materials(&mut file.gltf.scene, scene)),
+            false => 0,
         };
-        scene.instances.extend(file.gltf.scene.instances.iter().map(|instance| Instance {
-            name: instance.name.clone(),
-            mesh: file.first_mesh + instance.mesh,
-            material: material.unwrap_or(first_material + instance.material),
-            transform: transform * instance.transform,
-        }));
+        for instance in &file.gltf.scene.instances {
+            let own = first_material + instance.material;
+            let material = match replacement {
+                Some(replacement) => self.heirs.index(replacement, own, scene)?,
+                None => own,
+            };
+            scene.instances.push(Instance {
+                name: instance.name.clone(),
+                mesh: file.first_mesh + instance.mesh,
+                material,
+                transform: transform * instance.transform,
+            });
+        }
         scene.lights.extend(file.gltf.scene.lights.iter().map(|light| moved_light(light, &transform)));
         let camera = file.gltf.camera.map(|camera| moved_camera(camera, &transform));
         self.camera = self.camera.or(camera);
         Ok(())
     }
 
-    fn load(&mut self, path: &Path, scene: &mut Scene) -> Result<&mut LoadedFile, SceneError> {
-        let index = match self.files.iter().position(|file| file.path == path) {
-            Some(index) => index,
-            None => {
-                let mut gltf = read_gltf(path)?;
-                let first_mesh = scene.meshes.len();
-                scene.meshes.append(&mut gltf.scene.meshes);
-                scene.warnings.append(&mut gltf.scene.warnings);
-                self.files.push(LoadedFile { path: path.to_owned(), gltf, first_mesh, first_material: None });
-                self.files.len() - 1
-            }
-        };
-        Ok(&mut self.files[index])
+    /// The index of the file, which is read if it has not been.
+    fn load(&mut self, path: &Path, scene: &mut Scene) -> Result<usize, SceneError> {
+        if let Some(known) = self.files.iter().position(|file| file.path == path) {
+            return Ok(known);
+        }
+        let mut gltf = read_gltf(path)?;
+        let first_mesh = scene.meshes.len();
+        scene.meshes.append(&mut gltf.scene.meshes);
+        scene.warnings.append(&mut gltf.scene.warnings);
+        self.files.push(LoadedFile { path: path.to_owned(), gltf, first_mesh, first_material: None });
+        Ok(self.files.len() - 1)
     }
 }
 
@@ -75,7 +81,7 @@ fn move_materials(from: &mut Scene, to: &mut Scene) -> usize {
     let (first_material, first_texture, first_image) =
         (to.materials.len(), to.textures.len(), to.images.len());
     for material in &mut from.materials {
-        shift_textures(material, first_texture);
+        material.for_each_texture_mut(|texture| *texture += first_texture);
     }
     for texture in &mut from.textures {
         texture.image += first_image;
@@ -84,49 +90,6 @@ fn move_materials(from: &mut Scene, to: &mut Scene) -> usize {
     to.textures.append(&mut from.textures);
     to.images.append(&mut from.images);
     first_material
-}
-
-/// Adds `by` to every texture index of `material`.
-fn shift_textures(material: &mut Material, by: usize) {
-    let color = |input: &mut ColorInput| {
-        if let Some(texture) = &mut input.texture {
-            *texture += by;
-        }
-    };
-    let scalar = |input: &mut ScalarInput| {
-        if let Some((texture, _)) = &mut input.texture {
-            *texture += by;
-        }
-    };
-    color(&mut material.emission);
-    if let Some((texture, _)) = &mut material.normal_map {
-        *texture += by;
-    }
-    match &mut material.coverage {
-        Coverage::Full => {}
-        Coverage::Mask { alpha, .. } | Coverage::Blend { alpha } => scalar(alpha),
-    }
-    match &mut material.surface {
-        Surface::Diffuse { reflectance } => color(reflectance),
-        Surface::Metal { reflectance, roughness } => {
-            color(reflectance);
-            scalar(roughness);
-        }
-        Surface::MetallicRoughness(m) => {
-            color(&mut m.base_color);
-            color(&mut m.diffuse_transmission_color);
-            for input in [&mut m.metallic, &mut m.roughness, &mut m.transmission, &mut m.diffuse_transmission]
-            {
-                scalar(input);
-            }
-        }
-        Surface::Dielectric { roughness, tint, .. } => {
-            scalar(roughness);
-            color(tint);
-        }
-        Surface::Translucent { medium: ScatteringInput::Albedo { albedo, .. }, .. } => color(albedo),
-        Surface::Translucent { medium: ScatteringInput::Coefficients { .. }, .. } => {}
-    }
 }
 
 /// A light of a glTF file (which has only lights without size), placed. Intensities are kept:
