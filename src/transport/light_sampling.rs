@@ -203,7 +203,7 @@ fn environment_emitter(environment: &Environment) -> Option<(Emitter, Reach)> {
     let Environment::Map { .. } = environment else { return None };
     let (distribution, mean) = environment_distribution(environment);
     let reach = Reach::Far { direction: None, irradiance: PI * mean };
-    (!distribution.is_empty()).then(|| (Emitter::Environment(distribution), reach))
+    (!distribution.is_empty()).then_some((Emitter::Environment(distribution), reach))
 }
 
 fn triangle_areas<C: RayCaster>(world: &World<C>, instance: u32) -> Vec<f32> {

@@ -6,12 +6,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use alabaster::film::Film;
-use alabaster::raycast::embree::EmbreeCaster;
 use alabaster::scene::{Scene, read_scene};
 use alabaster::transport::{Counters, Renderer};
 
 use super::cpu_time::thread_seconds;
-use super::scenes::options;
+use super::scenes::{Caster, caster, options};
 
 /// Offset in the denominator of relMSE, so that dark pixels count by their absolute error.
 const OFFSET: f64 = 0.01;
@@ -78,7 +77,7 @@ fn read_pixels(path: &PathBuf) -> Vec<ReferencePixel> {
 /// Renders the scene of `reference` on one thread and compares.
 pub fn compare(reference: &Reference, samples: u64) -> Comparison {
     let scene = reference.scene.clone();
-    let renderer = Renderer::new(scene, options(), |geometry| EmbreeCaster::new(geometry, 1)).unwrap();
+    let renderer = Renderer::new(scene, options(), caster).unwrap();
     let (film, cpu_seconds) = render(&renderer, samples);
     let mut comparison = Comparison {
         relative_mse: 0.0,
@@ -115,7 +114,7 @@ pub fn compare(reference: &Reference, samples: u64) -> Comparison {
 }
 
 /// A film with `samples` samples per pixel, and the processor time in seconds, on one thread.
-pub fn render(renderer: &Renderer<EmbreeCaster>, samples: u64) -> (Film, f64) {
+pub fn render(renderer: &Renderer<Caster>, samples: u64) -> (Film, f64) {
     let size = renderer.scene().film;
     let mut film = Film::new(size.width, size.height).unwrap();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
