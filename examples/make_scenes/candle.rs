@@ -7,7 +7,7 @@ use super::polygonise::polygonise;
 use super::remesh::{Fineness, Shaded, remesh};
 
 /// Radius of the candle.
-const RADIUS: f64 = 3.1;
+const RADIUS: f64 = 2.4;
 
 /// Level of the molten wax.
 pub const POOL: f64 = 7.0;
@@ -28,7 +28,7 @@ pub fn wax() -> Shaded {
         }
         d
     };
-    let rough = polygonise(&field, DVec3::new(-4.6, -0.5, -4.6), DVec3::new(4.6, 9.2, 4.6), 0.13);
+    let rough = polygonise(&field, DVec3::new(-3.8, -0.5, -3.8), DVec3::new(3.8, 8.8, 3.8), 0.13);
     remesh(rough, &field, Fineness { deviation: 0.004, shortest: 0.11, longest: 0.5 })
 }
 
@@ -38,12 +38,13 @@ fn cylinder(p: DVec3) -> f64 {
     let DVec2 { x, y: z } = flat / radius.max(0.5);
     // cos 2θ, cos 3θ and sin 3θ.
     let (c2, c3, s3) = (x * x - z * z, x * (x * x - 3.0 * z * z), z * (3.0 * x * x - z * z));
-    let rim = 0.9 + 0.14 * c2 + 0.10 * s3 - 0.06 * c3;
-    let top = POOL + rim * smooth_step(1.9, 2.95, radius) + 0.25 * smooth_step(0.35, 0.0, radius);
+    let rim = 0.55 + 0.13 * c2 + 0.10 * s3 - 0.06 * c3;
+    let top =
+        POOL + rim * smooth_step(RADIUS - 1.0, RADIUS - 0.15, radius) + 0.25 * smooth_step(0.35, 0.0, radius);
     let side = radius - RADIUS - 0.04 * c3 - 0.03 * c2;
     let body = smooth_intersection(side, 0.75 * (p.y - top), 0.35);
     // Wax that ran down has set around the foot.
-    let puddle = (DVec2::new((radius - 3.3 - 0.25 * c3 + 0.15 * c2).max(0.0), p.y)).length() - 0.3;
+    let puddle = (DVec2::new((radius - 2.6 - 0.25 * c3 + 0.15 * c2).max(0.0), p.y)).length() - 0.3;
     smooth_intersection(smooth_union(body, puddle, 0.5), -p.y, 0.1)
 }
 
@@ -51,9 +52,9 @@ fn cylinder(p: DVec3) -> f64 {
 fn drip(out: DVec2, end: f64, girth: f64) -> Tube {
     let at = |r: f64, y: f64, share: f64| [out.x * r, y, out.y * r, girth * share];
     Tube::new(&[
-        at(RADIUS - 0.35, 7.7, 0.9),
-        at(RADIUS - 0.05, 7.5, 0.75),
-        at(RADIUS - 0.02, 0.5 * (7.2 + end), 0.7),
+        at(RADIUS - 0.35, 7.3, 0.9),
+        at(RADIUS - 0.05, 7.1, 0.75),
+        at(RADIUS - 0.02, 0.5 * (6.9 + end), 0.7),
         at(RADIUS, end + 0.8, 0.8),
         at(RADIUS + 0.02, end, 1.15),
     ])

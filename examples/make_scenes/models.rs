@@ -45,12 +45,12 @@ fn flame() -> Result<Vec<u8>, ImageError> {
         "name": "flame",
         "pbrMetallicRoughness": { "baseColorFactor": [0.0, 0.0, 0.0, 1.0], "metallicFactor": 0.0 },
         "emissiveFactor": [1.0, 0.55, 0.2],
-        "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 400.0 } },
+        "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 130.0 } },
     });
     Ok(model("flame", shape, material).to_glb())
 }
 
-/// A square of table, 60 cm wide.
+/// A square of table, 240 cm wide; the picture of its wood is 60 cm wide and repeats.
 fn table() -> Result<Vec<u8>, ImageError> {
     let material = json!({
         "name": "oak",
@@ -60,8 +60,8 @@ fn table() -> Result<Vec<u8>, ImageError> {
             "roughnessFactor": 0.45,
         },
     });
-    let mut table = model("table", square(60.0), material);
-    table.coordinates = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]].map(DVec2::from_array).to_vec();
+    let mut table = model("table", square(240.0), material);
+    table.coordinates = [[0.0, 4.0], [4.0, 4.0], [4.0, 0.0], [0.0, 0.0]].map(DVec2::from_array).to_vec();
     table.jpeg = Some(wood::wood(768)?);
     Ok(table.to_glb())
 }

@@ -104,8 +104,8 @@ impl Swan {
         let flat = DVec3::new(p.x, p.y, 0.0);
         let mut d = self.arm.distance(p);
         for feather in &self.feathers {
-            if feather.axis.at_least(flat).max(above.abs() - 0.7) < d + 0.1 {
-                d = smooth_union(d, feather.distance(flat, above), 0.1);
+            if feather.axis.at_least(flat).max(above.abs() - 0.7) < d + 0.12 {
+                d = smooth_union(d, feather.distance(flat, above), 0.12);
             }
         }
         smooth_union(body, d, 0.35)

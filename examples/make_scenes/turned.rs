@@ -52,17 +52,17 @@ pub fn dish() -> Shaded {
     revolve(&profile, 4, 112)
 }
 
-/// Flame: a teardrop 2.3 high, its foot at the origin.
+/// Flame: a teardrop 2.9 high, its foot at the origin.
 pub fn flame() -> Shaded {
     let profile = [
-        [0.0, 2.3],
-        [0.03, 2.1],
-        [0.12, 1.7],
-        [0.24, 1.25],
-        [0.36, 0.8],
-        [0.38, 0.4],
-        [0.3, 0.1],
-        [0.15, 0.0],
+        [0.0, 2.9],
+        [0.04, 2.65],
+        [0.15, 2.15],
+        [0.3, 1.55],
+        [0.45, 1.0],
+        [0.48, 0.5],
+        [0.38, 0.12],
+        [0.19, 0.0],
         [0.0, 0.0],
     ];
     revolve(&profile, 3, 24)
