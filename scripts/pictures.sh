@@ -42,7 +42,7 @@ set_to() { printf 's|^%s = .*|%s = %s|' "$1" "$1" "$2"; }
 # absorbing VALUE: the expression that gives the wax by coefficients, σ_s = 600/m in all channels.
 absorbing() { printf 's|^albedo = .*|sigma_s = [600, 600, 600]|; s|^mean_free_path = .*|sigma_a = %s|' "$1"; }
 
-picture alabaster 128 320
+picture alabaster 512 320
 picture soap 128 256
 picture jade 128 256
 picture milk 256 256
