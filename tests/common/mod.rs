@@ -1,8 +1,10 @@
 //! What the tests share, and the examples that print the figures which the tests hold.
 #![allow(dead_code)]
 
+pub mod assets;
 pub mod bodies;
 pub mod bsdfs;
 pub mod cpu_time;
+pub mod program;
 pub mod scenes;
 pub mod volumetric;
