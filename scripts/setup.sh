@@ -6,6 +6,9 @@ set -euo pipefail
 say() { printf 'setup: %s\n' "$*" >&2; }
 die() { say "$*"; exit 1; }
 
+# The way without Embree: rays are then cast by the BVH in pure Rust.
+without="cargo run --release --no-default-features -- render scenes/alabaster.toml -o out.png"
+
 have_embree() {
     local header
     for header in "${EMBREE_INCLUDE_DIR:-/usr/include}/embree4/rtcore_config.h" \
@@ -17,7 +20,9 @@ have_embree() {
 
 have_libclang() {
     [ -n "${LIBCLANG_PATH:-}" ] && return 0
-    compgen -G '/usr/lib/llvm-*/lib/libclang*.so*' >/dev/null && compgen -G '/usr/lib/llvm-*/lib/clang/*/include/stddef.h' >/dev/null
+    # The library, not libclang-cpp; and the compiler's own headers, which come in a package apart.
+    compgen -G '/usr/lib/llvm-*/lib/libclang[.-][s0-9]*' >/dev/null &&
+        compgen -G '/usr/lib/llvm-*/lib/clang/*/include/stddef.h' >/dev/null
 }
 
 missing=()
@@ -25,16 +30,15 @@ have_libclang || missing+=(libclang-dev)
 command -v cc >/dev/null || missing+=(build-essential)
 have_embree || missing+=(libembree-dev)
 
-if ! command -v cargo >/dev/null; then
-    say "cargo is not installed: install Rust with rustup first."
-fi
+command -v cargo >/dev/null || die "cargo is not installed: install Rust with rustup first."
 if [ ${#missing[@]} -eq 0 ]; then
     say "everything is installed."
     exit 0
 fi
 
 command -v apt-get >/dev/null || die "this script knows apt only. Install by hand: ${missing[*]} (Embree 4.x with headers, libclang).
-setup: Without Embree, build with: cargo run --release --no-default-features"
+setup: Or do without Embree and libclang (rays are then cast in pure Rust):
+setup:   $without"
 
 sudo=()
 if [ "$(id -u)" -ne 0 ]; then
@@ -62,13 +66,13 @@ fi
 
 # shellcheck disable=SC1091
 codename=$(. /etc/os-release && echo "${VERSION_CODENAME:-}")
-[ "$codename" = bookworm ] || die "no Embree 4 package for '$codename'. Install Embree 4 by hand, or build without it:
-setup:   cargo run --release --no-default-features"
+[ "$codename" = bookworm ] || die "no Embree 4 package for '$codename'. Install Embree 4 by hand, or do without it:
+setup:   $without"
 
 say "Debian 12 packages Embree 3 only. Embree 4 comes from Debian 13 (trixie): this adds the trixie suite of
 setup: your own Debian mirror at priority 100, so that nothing else is drawn from it, and installs libembree-dev,
-setup: which brings Debian 13's libc6 and libstdc++ along. To leave the system as it is, stop now and build with
-setup:   cargo run --release --no-default-features"
+setup: which brings Debian 13's libc6 and libstdc++ along. To leave the system as it is, stop now and do without Embree:
+setup:   $without"
 source_file=$(ls /etc/apt/sources.list.d/debian.sources 2>/dev/null || ls /etc/apt/sources.list)
 case "$source_file" in
     *.sources) target=/etc/apt/sources.list.d/alabaster-trixie.sources ;;

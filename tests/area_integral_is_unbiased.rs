@@ -7,18 +7,17 @@ use alabaster::diffusion::{NormalizedDiffusion, Profile};
 use alabaster::math::SampleStream;
 use alabaster::math::sampler::HashGenerator;
 use alabaster::radiometry::Rgb;
-use alabaster::raycast::embree::EmbreeCaster;
 use alabaster::raycast::{Geometry, Hit, MeshInstance, TriangleMesh};
 use alabaster::scene::{Mesh, shape};
 use alabaster::transport::ProbeCounters;
 use alabaster::transport::area_integral::{AreaIntegral, Channels, Spread};
-use common::scenes::{Statistics, join};
+use common::scenes::{self, Caster, Statistics, join};
 use glam::{Affine3A, Vec3};
 
-fn caster(mesh: &Mesh) -> EmbreeCaster {
+fn caster(mesh: &Mesh) -> Caster {
     let meshes = [TriangleMesh { positions: &mesh.positions, triangles: &mesh.triangles }];
     let instances = [MeshInstance { mesh: 0, transform: Affine3A::IDENTITY, probed: true }];
-    EmbreeCaster::new(&Geometry { meshes: &meshes, instances: &instances }, 1).unwrap()
+    scenes::caster(&Geometry { meshes: &meshes, instances: &instances }).unwrap()
 }
 
 fn normal_of(mesh: &Mesh, hit: &Hit) -> Vec3 {

@@ -339,6 +339,15 @@ fn coefficients_in_the_wrong_unit_are_noticed() {
 }
 
 #[test]
+fn dispersion_that_is_not_rendered_is_said() {
+    for (material, said) in [("ior = 1.5\nabbe = 58", true), ("ior = 1.5", false)] {
+        let material = format!("[material.m]\ntype = 'dielectric'\n{material}\n");
+        let warnings = read(&[SPHERE, &material, LIGHT, CAMERA].concat()).expect("a scene").warnings;
+        assert_eq!(warnings.concat().contains("`m`: rendered without dispersion"), said, "{warnings:?}");
+    }
+}
+
+#[test]
 fn environment_maps_in_the_wild_are_read() {
     let Some(assets) = assets() else { return };
     for name in ["kiara_1_dawn_1k.hdr", "studio_small_05_1k.hdr", "studio_dwab.exr"] {

@@ -50,6 +50,7 @@ pub fn remesh(surface: Surface, field: &Field, fineness: Fineness) -> Shaded {
     }
     mesh.settle(field, fineness.shortest);
     mesh.flip_edges();
+    mesh.unfold();
     mesh.compact()
 }
 
@@ -277,6 +278,46 @@ impl Mesh {
                 self.positions[v as usize] = moved;
             }
         }
+    }
+
+    /// In narrow creases the field's gradient may lean over a triangle: the mean of the triangles'
+    /// own normals stands in there; and where even that leans over one, the surface is folded and
+    /// its vertices are drawn together until it is not.
+    fn unfold(&mut self) {
+        for _ in 0..128 {
+            let mut folded = Vec::new();
+            for v in 0..self.positions.len() as u32 {
+                if self.leans(v) {
+                    let planes = self.fan(v).map(|t| self.plane(t));
+                    self.normals[v as usize] = planes.sum::<DVec3>().normalize_or_zero();
+                    if self.leans(v) {
+                        folded.push(v);
+                    }
+                }
+            }
+            if folded.is_empty() {
+                return;
+            }
+            for v in folded {
+                let nearby: Vec<u32> = self.neighbours(v).chain([v]).collect();
+                for n in nearby {
+                    let count = self.around[n as usize].len() as f64;
+                    let middle =
+                        self.neighbours(n).map(|m| self.positions[m as usize]).sum::<DVec3>() / count;
+                    self.positions[n as usize] = self.positions[n as usize].midpoint(middle);
+                }
+            }
+        }
+    }
+
+    /// Unit normal of a triangle.
+    fn plane(&self, triangle: [u32; 3]) -> DVec3 {
+        area_vector(triangle.map(|v| self.positions[v as usize])).normalize_or_zero()
+    }
+
+    /// True if the normal at `v` is more than 84° from that of a triangle around it.
+    fn leans(&self, v: u32) -> bool {
+        self.fan(v).any(|t| self.plane(t).dot(self.normals[v as usize]) < 0.1)
     }
 
     /// Live vertices and triangles alone.

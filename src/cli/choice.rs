@@ -56,16 +56,6 @@ impl From<ViewChoice> for View {
     }
 }
 
-/// What casts the rays.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum BackendChoice {
-    /// Embree 4
-    #[default]
-    Embree,
-    /// Pure Rust
-    Bvh,
-}
-
 /// Layers of an .exr beside the colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LayerChoice {

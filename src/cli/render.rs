@@ -6,11 +6,11 @@ use std::sync::atomic::Ordering;
 
 use clap::Args;
 
-use super::choice::{BackendChoice, LayerChoice, ViewChoice, finite, name_of, named, positive};
+use super::choice::{LayerChoice, ViewChoice, finite, name_of, named, positive};
 use super::console::{print_line, say};
 use super::error::CliError;
 use super::progress::Progress;
-use super::report::Report;
+use super::report::{MadeBy, Report};
 use super::stop::Stop;
 use crate::film::accumulator::MAX_SAMPLES;
 use crate::film::exr::Attribute;
@@ -18,7 +18,8 @@ use crate::film::layers::Channel;
 use crate::film::output::{Format, check_writable, replace};
 use crate::film::schedule::{Limits, Status};
 use crate::film::{Film, exr, png};
-use crate::raycast::RayCaster;
+use crate::raycast::bvh::BvhCaster;
+use crate::raycast::{Backend, Geometry, RayCaster, RaycastError};
 use crate::scene::{Method, ProfileChoice, Scene, read_scene};
 use crate::transport::{Counters, RenderOptions, Renderer};
 
@@ -52,8 +53,8 @@ pub struct RenderArgs {
     #[arg(long, value_name = "NAME", value_parser = named(ProfileChoice::NAMES))]
     profile: Option<ProfileChoice>,
     /// What casts the rays
-    #[arg(long, value_enum, default_value_t)]
-    backend: BackendChoice,
+    #[arg(long, value_parser = named(Backend::NAMES), default_value = Backend::default().name())]
+    backend: Backend,
     /// Seed of all random numbers: the same seed, scene and samples give the same bits
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
@@ -87,26 +88,36 @@ pub fn run(args: &RenderArgs) -> Result<(), CliError> {
     let scene = scene_with_overrides(args)?;
     scene.warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
     match args.backend {
-        BackendChoice::Embree => render_with_embree(args, scene),
-        BackendChoice::Bvh => {
-            Err(CliError::input("--backend bvh is not available in this version; available: embree"))
-        }
+        Backend::Embree => render_with_embree(args, scene),
+        Backend::Bvh => render_with(args, scene, BvhCaster::new),
     }
 }
 
 #[cfg(feature = "embree")]
 fn render_with_embree(args: &RenderArgs, scene: Scene) -> Result<(), CliError> {
     use crate::raycast::embree::EmbreeCaster;
-    let options = options(args, &scene);
-    let film = Film::new(scene.film.width, scene.film.height)?;
     let threads = rayon::current_num_threads();
-    let renderer = Renderer::new(scene, options, |geometry| EmbreeCaster::new(geometry, threads))?;
-    render_and_save(args, &renderer, film)
+    render_with(args, scene, |geometry| EmbreeCaster::new(geometry, threads))
 }
 
 #[cfg(not(feature = "embree"))]
 fn render_with_embree(_args: &RenderArgs, _scene: Scene) -> Result<(), CliError> {
-    Err(CliError::input("this program was built without Embree; build it with the feature `embree`"))
+    Err(CliError::input(
+        "--backend embree: this program was built without Embree; use --backend bvh, or build it with the \
+         feature `embree`",
+    ))
+}
+
+/// Renders `scene` with the ray caster that `build` makes, and saves the pictures.
+fn render_with<C: RayCaster>(
+    args: &RenderArgs,
+    scene: Scene,
+    build: impl FnOnce(&Geometry) -> Result<C, RaycastError>,
+) -> Result<(), CliError> {
+    let options = options(args, &scene);
+    let film = Film::new(scene.film.width, scene.film.height)?;
+    let renderer = Renderer::new(scene, options, build)?;
+    render_and_save(args, &renderer, film)
 }
 
 fn start_threads(threads: Option<u16>) -> Result<(), CliError> {
@@ -135,12 +146,13 @@ fn options(args: &RenderArgs, scene: &Scene) -> RenderOptions {
     }
 }
 
-/// The method in use: where the scene leaves it open, the area integral.
-fn method(scene: &Scene) -> &'static str {
-    match scene.subsurface.method {
+/// Backend and method in use: where the scene leaves the method open, the area integral.
+fn made_by(args: &RenderArgs, scene: &Scene) -> MadeBy {
+    let method = match scene.subsurface.method {
         Method::Auto => name_of(&Method::NAMES, &Method::Bssrdf),
         chosen => name_of(&Method::NAMES, &chosen),
-    }
+    };
+    MadeBy { backend: args.backend.name(), method }
 }
 
 fn limits(args: &RenderArgs, scene: &Scene) -> Limits {
@@ -160,7 +172,7 @@ fn render_and_save<C: RayCaster>(
     let stop = Stop::on_signals()?;
     let limits = limits(args, renderer.scene());
     let (counters, seconds) = render(renderer, &mut film, limits, &stop, args.quiet);
-    let report = Report::new(&film, &counters, seconds, method(renderer.scene()), &args.output);
+    let report = Report::new(&film, &counters, seconds, made_by(args, renderer.scene()), &args.output);
     if report.samples == 0 && stop.interrupted() {
         return Err(CliError::Interrupted("there was nothing to save yet".into()));
     }

@@ -46,15 +46,18 @@ struct Probes {
     overflowed: u64,
 }
 
+/// What rendered the picture, by the names that the command line has for it.
+#[derive(Clone, Copy, Debug)]
+pub struct MadeBy {
+    /// What cast the rays.
+    pub backend: &'static str,
+    /// How light under the surface was computed.
+    pub method: &'static str,
+}
+
 impl Report {
     /// The report of a render that took `seconds` to bring `film` to where it is.
-    pub fn new(
-        film: &Film,
-        counters: &Counters,
-        seconds: f64,
-        method: &'static str,
-        outputs: &[PathBuf],
-    ) -> Self {
+    pub fn new(film: &Film, counters: &Counters, seconds: f64, made_by: MadeBy, outputs: &[PathBuf]) -> Self {
         let tally = film.tally();
         let ProbeCounters { cast, missed, hits, overflowed, .. } = counters.probes;
         Self {
@@ -65,8 +68,8 @@ impl Report {
             samples: tally.taken,
             samples_per_second: tally.taken as f64 / seconds.max(1e-9),
             threads: rayon::current_num_threads(),
-            backend: "embree",
-            method,
+            backend: made_by.backend,
+            method: made_by.method,
             nonfinite: tally.nonfinite,
             clamped: tally.clamped,
             rejected: counters.rejected,

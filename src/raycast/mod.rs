@@ -181,6 +181,9 @@ pub enum Backend {
 }
 
 impl Backend {
+    /// Names on the command line and in reports.
+    pub const NAMES: [(&'static str, Self); 2] = [("embree", Self::Embree), ("bvh", Self::Bvh)];
+
     /// The backends of this build, the fastest first.
     pub const fn available() -> &'static [Self] {
         if cfg!(feature = "embree") { &[Self::Embree, Self::Bvh] } else { &[Self::Bvh] }

@@ -28,7 +28,9 @@ pub fn complete(
         scene.warnings.push("no lights: lit by a soft default rig".into());
         add_default_lights(scene, &bounds);
     }
-    let hints: Vec<String> = (0..scene.instances.len()).filter_map(|i| unit_hint(scene, i)).collect();
+    let instances = 0..scene.instances.len();
+    let hints: Vec<String> =
+        instances.flat_map(|i| [unit_hint(scene, i), dispersion_hint(scene, i)]).flatten().collect();
     for hint in hints {
         if !scene.warnings.contains(&hint) {
             scene.warnings.push(hint);
@@ -132,6 +134,19 @@ fn unit_hint(scene: &Scene, instance: usize) -> Option<String> {
             rounded(1000.0 * wrong),
             rounded(1000.0 * size)
         )
+    })
+}
+
+/// A warning if the material has a dispersion, which is read but not rendered.
+fn dispersion_hint(scene: &Scene, instance: usize) -> Option<String> {
+    let material = &scene.materials[scene.instances[instance].material];
+    let abbe = match &material.surface {
+        Surface::Dielectric { abbe, .. } => *abbe,
+        Surface::MetallicRoughness(surface) => surface.abbe,
+        _ => None,
+    };
+    abbe.map(|_| {
+        format!("material `{}`: rendered without dispersion: all wavelengths refract alike", material.name)
     })
 }
 

@@ -33,6 +33,15 @@ impl Interiors {
         }
     }
 
+    /// Adds a body around all others.
+    pub fn surround(&mut self, interior: Option<Interior>) {
+        if interior.is_some() && self.count < DEPTH {
+            self.bodies.copy_within(0..self.count, 1);
+            self.bodies[0] = interior;
+            self.count += 1;
+        }
+    }
+
     /// The path leaves a body; nothing happens if it was not inside.
     pub fn leave(&mut self, instance: u32) {
         let found = (0..self.count).rev().find(|&i| self.bodies[i].is_some_and(|b| b.instance == instance));

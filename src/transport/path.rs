@@ -427,9 +427,8 @@ impl<'a, C: RayCaster> Path<'a, C> {
         self.add_direct(place::ENTRY_LIGHT, point, &receiver, respond);
         let [u, v, _, _] = self.stream.quad(self.set(place::ENTRY));
         let mut direction = Frame::from_normal(orientation.shading).to_world(boundary.sample_exit([u, v]));
-        let height = direction.dot(orientation.geometric);
-        if height < 0.0 {
-            direction -= orientation.geometric * (2.0 * height);
+        if direction.dot(orientation.geometric) < 0.0 {
+            direction = orientation.mirrored(direction);
         }
         let Response { value, density } = respond(direction);
         self.throughput *= if density > 0.0 { value / density } else { Rgb::ZERO };
@@ -456,17 +455,13 @@ fn bsdf_response(
     response
 }
 
-/// The lobe S_w cosθ around the shading normal, and the density that samples it. What
-/// of it lies below the triangle's plane is folded up through the plane, so that it keeps its integral.
+/// The lobe S_w cosθ around the shading normal and the density that samples it, folded by the plane of
+/// the triangle.
 fn entry_response(boundary: &Boundary, orientation: &Orientation, wi: Vec3) -> Response {
-    let height = wi.dot(orientation.geometric);
-    if height <= 0.0 {
-        return Response { value: Rgb::ZERO, density: 0.0 };
-    }
-    let below = wi - orientation.geometric * (2.0 * height);
     let (mut value, mut density) = (0.0, 0.0);
-    for cos in [wi.dot(orientation.shading), below.dot(orientation.shading)] {
-        if cos > 0.0 {
+    if wi.dot(orientation.geometric) > 0.0 {
+        for direction in orientation.unfolded(wi) {
+            let cos = direction.dot(orientation.shading);
             value += boundary.exit_lobe(cos) * cos;
             density += boundary.exit_density(cos);
         }

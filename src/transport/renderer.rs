@@ -13,7 +13,7 @@ use crate::math::SampleStream;
 use crate::radiometry::Rgb;
 use crate::raycast::{Geometry, RayCaster, RaycastError};
 use crate::scene::camera::CameraRays;
-use crate::scene::{Method, ProfileChoice, ScatteringInput, Scene, Surface};
+use crate::scene::{ColorMode, Method, ProfileChoice, ScatteringInput, Scene, Surface};
 
 /// What a render can be asked for beyond the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,7 +64,7 @@ impl<C: RayCaster> Renderer<C> {
         options: RenderOptions,
         build: impl FnOnce(&Geometry) -> Result<C, RaycastError>,
     ) -> Result<Self, RenderError> {
-        check(&options)?;
+        check(&options, &scene)?;
         clear_bodies_without_scattering(&mut scene);
         let camera = scene.camera.rays(scene.film.width as f32 / scene.film.height as f32);
         let world = World::new(scene, build)?;
@@ -99,7 +99,7 @@ impl<C: RayCaster> Renderer<C> {
     }
 }
 
-fn check(options: &RenderOptions) -> Result<(), RenderError> {
+fn check(options: &RenderOptions, scene: &Scene) -> Result<(), RenderError> {
     if options.method == Method::Walk {
         return Err(RenderError::Unavailable {
             option: "method",
@@ -112,6 +112,13 @@ fn check(options: &RenderOptions) -> Result<(), RenderError> {
             option: "profile",
             value: options.profile.name().into(),
             available: "auto, normalized-diffusion",
+        });
+    }
+    if scene.render.color_mode == ColorMode::Spectral {
+        return Err(RenderError::Unavailable {
+            option: "mode",
+            value: "spectral".into(),
+            available: "auto, rgb",
         });
     }
     Ok(())

@@ -2,7 +2,8 @@
 
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec4};
 
-use crate::math::robust::interpolation_error;
+use crate::math::robust::{interpolation_error, offset_from_surface};
+use crate::radiometry::Rgb;
 use crate::raycast::{Geometry, Hit, MeshInstance, Ray, RayCaster, RaycastError, TriangleMesh};
 use crate::scene::material::Coverage;
 use crate::scene::shape::light_mesh;
@@ -40,15 +41,23 @@ pub struct SurfacePoint {
     pub instance: u32,
 }
 
+/// What is to know of an instance's transform at every hit.
+#[derive(Clone, Copy, Debug)]
+struct Placement {
+    identity: bool,
+    mirrored: bool,
+}
+
 /// Scene and ray caster.
 pub struct World<C> {
     scene: Scene,
     substances: Vec<Substance>,
+    placements: Vec<Placement>,
     /// World-space bounding box of each instance, m.
     bounds: Vec<(Vec3, Vec3)>,
     caster: C,
-    /// Some boundary lets paths inside, so that where a path is has to be tracked.
-    has_interiors: bool,
+    /// Instances whose boundary lets paths inside, so that where a path is has to be tracked.
+    enterable: Vec<u32>,
     has_partial_coverage: bool,
 }
 
@@ -62,7 +71,15 @@ impl<C: RayCaster> World<C> {
             scene.instances.iter().map(|i| Substance::Material(i.material)).collect();
         add_lights(&mut scene, &mut substances);
         bake(&mut scene);
-        let bounds = scene.instances.iter().map(|i| bounds_of(&scene, i)).collect();
+        let bounds: Vec<_> = scene.instances.iter().map(|i| bounds_of(&scene, i)).collect();
+        let placements = scene
+            .instances
+            .iter()
+            .map(|i| Placement {
+                identity: i.transform == Affine3A::IDENTITY,
+                mirrored: mirrors(&i.transform),
+            })
+            .collect();
         let caster = {
             let meshes: Vec<_> = scene
                 .meshes
@@ -81,11 +98,14 @@ impl<C: RayCaster> World<C> {
                 .collect();
             build(&Geometry { meshes: &meshes, instances: &instances })?
         };
-        let lets_inside =
-            |s: &&Substance| matches!(s, Substance::Material(m) if interior_of(&scene, *m).is_some());
-        let has_interiors = substances.iter().any(|s| lets_inside(&s));
+        let enterable = (0..substances.len() as u32)
+            .filter(|&i| match substances[i as usize] {
+                Substance::Material(m) => interior_of(&scene, m).is_some(),
+                Substance::Light(_) => false,
+            })
+            .collect();
         let has_partial_coverage = scene.materials.iter().any(|m| m.coverage != Coverage::Full);
-        Ok(Self { scene, substances, bounds, caster, has_interiors, has_partial_coverage })
+        Ok(Self { scene, substances, placements, bounds, caster, enterable, has_partial_coverage })
     }
 
     /// The scene, with geometry in world space where it is used once.
@@ -128,7 +148,7 @@ impl<C: RayCaster> World<C> {
 
     /// True if some body lets paths inside.
     pub fn has_interiors(&self) -> bool {
-        self.has_interiors
+        !self.enterable.is_empty()
     }
 
     /// True if some material is not everywhere there.
@@ -138,18 +158,24 @@ impl<C: RayCaster> World<C> {
 
     /// World-space corners of a triangle, in the winding that makes its normal point outward.
     pub fn triangle(&self, instance: u32, primitive: u32) -> [Vec3; 3] {
-        let instance = &self.scene.instances[instance as usize];
-        let mesh = &self.scene.meshes[instance.mesh];
-        let [a, b, c] = mesh.triangles[primitive as usize]
-            .map(|v| place(&instance.transform, mesh.positions[v as usize]));
-        if mirrors(&instance.transform) { [a, c, b] } else { [a, b, c] }
+        let [a, b, c] = self.corners(instance, primitive);
+        if self.placements[instance as usize].mirrored { [a, c, b] } else { [a, b, c] }
+    }
+
+    /// World-space corners of a triangle in the order of its indices.
+    fn corners(&self, instance: u32, primitive: u32) -> [Vec3; 3] {
+        let placed = &self.scene.instances[instance as usize];
+        let mesh = &self.scene.meshes[placed.mesh];
+        let corners = mesh.triangles[primitive as usize].map(|v| mesh.positions[v as usize]);
+        match self.placements[instance as usize].identity {
+            true => corners,
+            false => corners.map(|p| placed.transform.transform_point3(p)),
+        }
     }
 
     /// Unit outward normal of the triangle that was hit.
     pub fn geometric_normal(&self, hit: &Hit) -> Vec3 {
-        let [a, b, c] = self.triangle(hit.instance, hit.primitive);
-        // In double precision, so that slivers keep a normal.
-        (b - a).as_dvec3().cross((c - a).as_dvec3()).normalize_or(glam::DVec3::Z).as_vec3()
+        outward_normal(self.triangle(hit.instance, hit.primitive))
     }
 
     /// The point that was hit.
@@ -160,12 +186,15 @@ impl<C: RayCaster> World<C> {
         let (u, v) = (hit.u, hit.v);
         let w = 1.0 - u - v;
         let transform = &instance.transform;
-        let [a, b, c] = [i, j, k].map(|n| place(transform, mesh.positions[n]));
-        let geometric_normal = self.geometric_normal(hit);
+        let [a, b, c] = self.corners(hit.instance, hit.primitive);
+        let mirrored = self.placements[hit.instance as usize].mirrored;
+        let geometric_normal = outward_normal(if mirrored { [a, c, b] } else { [a, b, c] });
         let mut shading_normal = geometric_normal;
         if !mesh.normals.is_empty() {
             let local = mesh.normals[i] * w + mesh.normals[j] * u + mesh.normals[k] * v;
-            let normal = place_normal(transform, local).normalize_or(geometric_normal);
+            let placed = self.placements[hit.instance as usize];
+            let local = if placed.identity { local } else { place_normal(transform, local) };
+            let normal = local.normalize_or(geometric_normal);
             shading_normal = if normal.dot(geometric_normal) < 0.0 { -normal } else { normal };
         }
         let mut tangent = Vec4::ZERO;
@@ -197,35 +226,32 @@ impl<C: RayCaster> World<C> {
     /// The bodies that a point is inside of, found by following a ray from it to infinity: a closed body
     /// encloses the point if its first crossing leads out of it.
     pub fn interiors_at(&self, origin: Vec3, direction: Vec3) -> Interiors {
-        let mut interiors = Interiors::default();
-        if !self.has_interiors {
-            return interiors;
-        }
-        let mut seen: Vec<u32> = Vec::new();
-        let mut left: Vec<Interior> = Vec::new();
+        let mut found = Interiors::default();
+        let in_bounds = |instance: u32| {
+            let (low, high) = self.bounds(instance);
+            origin.cmpge(low).all() && origin.cmple(high).all()
+        };
+        let mut open = self.enterable.iter().filter(|&&i| in_bounds(i)).count();
+        let mut left = Crossed::default();
         let mut ray = Ray::new(origin, direction);
         // Far more sheets than nested bodies have; a bound so that no geometry can hold the program.
         for _ in 0..256 {
+            if open == 0 {
+                break;
+            }
             let Some(hit) = self.caster.closest(&ray) else { break };
-            if !seen.contains(&hit.instance) {
-                seen.push(hit.instance);
-                let leaves = self.geometric_normal(&hit).dot(direction) > 0.0;
-                if let (true, Some(interior)) = (leaves, self.interior(hit.instance)) {
-                    left.push(interior);
+            let interior = self.interior(hit.instance).filter(|_| in_bounds(hit.instance));
+            if interior.is_some() && left.is_first(hit.instance) {
+                open -= 1;
+                if self.geometric_normal(&hit).dot(direction) > 0.0 {
+                    // What is left last lies around what is left first.
+                    found.surround(interior);
                 }
             }
             let point = self.surface(&hit);
-            ray.origin = crate::math::robust::offset_from_surface(
-                point.position,
-                point.error,
-                point.geometric_normal,
-                direction,
-            );
+            ray.origin = offset_from_surface(point.position, point.error, point.geometric_normal, direction);
         }
-        for interior in left.into_iter().rev() {
-            interiors.enter(interior);
-        }
-        interiors
+        found
     }
 
     /// What is inside `instance`, if paths go there.
@@ -240,7 +266,7 @@ impl<C: RayCaster> World<C> {
 }
 
 /// Index and absorption inside bodies of a material whose boundary lets paths in.
-fn interior_of(scene: &Scene, material: usize) -> Option<(f32, crate::radiometry::Rgb)> {
+fn interior_of(scene: &Scene, material: usize) -> Option<(f32, Rgb)> {
     match &scene.materials[material].surface {
         Surface::Dielectric { ior, sigma_a, .. } => Some((*ior, *sigma_a)),
         Surface::MetallicRoughness(m)
@@ -249,6 +275,25 @@ fn interior_of(scene: &Scene, material: usize) -> Option<(f32, crate::radiometry
             Some((m.ior, m.sigma_a))
         }
         _ => None,
+    }
+}
+
+/// Instances that a ray has met.
+#[derive(Default)]
+struct Crossed {
+    instances: [u32; 16],
+    count: usize,
+}
+
+impl Crossed {
+    /// True the first time it is asked about `instance`; false for any beyond the room for them.
+    fn is_first(&mut self, instance: u32) -> bool {
+        if self.count == self.instances.len() || self.instances[..self.count].contains(&instance) {
+            return false;
+        }
+        self.instances[self.count] = instance;
+        self.count += 1;
+        true
     }
 }
 
@@ -305,12 +350,17 @@ fn bounds_of(scene: &Scene, instance: &Instance) -> (Vec3, Vec3) {
         .unwrap_or_default()
 }
 
+/// In double precision, so that slivers keep a normal.
+fn outward_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
+    (b - a).as_dvec3().cross((c - a).as_dvec3()).normalize_or(glam::DVec3::Z).as_vec3()
+}
+
 fn mirrors(transform: &Affine3A) -> bool {
     transform.matrix3.determinant() < 0.0
 }
 
 fn place(transform: &Affine3A, point: Vec3) -> Vec3 {
-    if *transform == Affine3A::IDENTITY { point } else { transform.transform_point3(point) }
+    transform.transform_point3(point)
 }
 
 fn place_vector(transform: &Affine3A, vector: Vec3) -> Vec3 {
@@ -320,9 +370,6 @@ fn place_vector(transform: &Affine3A, vector: Vec3) -> Vec3 {
 /// Normals go with the inverse transpose, here the cofactors, which exist for every matrix; the sign of
 /// the determinant keeps them outward under mirroring.
 fn place_normal(transform: &Affine3A, normal: Vec3) -> Vec3 {
-    if *transform == Affine3A::IDENTITY {
-        return normal;
-    }
     let m = transform.matrix3;
     let cofactors =
         Mat3A::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));

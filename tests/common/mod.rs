@@ -1,7 +1,9 @@
-//! What the tests share.
+//! What the tests share, and the examples that print the figures which the tests hold.
 #![allow(dead_code)]
 
 pub mod assets;
+pub mod bodies;
 pub mod bsdfs;
-pub mod program;
+pub mod cpu_time;
 pub mod scenes;
+pub mod volumetric;

@@ -1,13 +1,31 @@
 //! Scenes made in code, and statistics, for the tests.
 
 use alabaster::radiometry::Rgb;
+#[cfg(not(feature = "embree"))]
+use alabaster::raycast::bvh::BvhCaster;
+#[cfg(feature = "embree")]
 use alabaster::raycast::embree::EmbreeCaster;
+use alabaster::raycast::{Geometry, RaycastError};
 use alabaster::scene::{
     Camera, ColorInput, Environment, FilmSettings, Filter, Instance, Material, Mesh, Method, ProfileChoice,
     ScatteringInput, Scene, Surface, shape,
 };
 use alabaster::transport::{RenderOptions, Renderer};
 use glam::{Affine3A, Vec3};
+
+/// The default backend of this build.
+#[cfg(feature = "embree")]
+pub type Caster = EmbreeCaster;
+#[cfg(not(feature = "embree"))]
+pub type Caster = BvhCaster;
+
+/// A ray caster for `geometry`.
+pub fn caster(geometry: &Geometry) -> Result<Caster, RaycastError> {
+    #[cfg(feature = "embree")]
+    return EmbreeCaster::new(geometry, 1);
+    #[cfg(not(feature = "embree"))]
+    BvhCaster::new(geometry)
+}
 
 /// Mean and variance of a stream of numbers.
 #[derive(Default)]
@@ -78,8 +96,8 @@ pub fn options() -> RenderOptions {
     RenderOptions { seed: 1, method: Method::Bssrdf, profile: ProfileChoice::Auto, max_depth: 0 }
 }
 
-pub fn renderer(scene: Scene) -> Renderer<EmbreeCaster> {
-    Renderer::new(scene, options(), |geometry| EmbreeCaster::new(geometry, 1)).unwrap()
+pub fn renderer(scene: Scene) -> Renderer<Caster> {
+    Renderer::new(scene, options(), caster).unwrap()
 }
 
 /// Meshes joined into one.
@@ -115,4 +133,13 @@ pub fn l_shape() -> Mesh {
 /// Two slabs of one body with a gap of 0.1 between them.
 pub fn two_slabs() -> Mesh {
     join([-0.25, 0.25].map(|y| shape::cuboid(Vec3::new(0.0, y, 0.0), Vec3::new(4.0, 0.4, 4.0))))
+}
+
+/// The objects of `scene`, all of `material`, in uniform light of radiance 1.
+pub fn in_furnace(mut scene: Scene, material: Material) -> Scene {
+    scene.materials = vec![material];
+    scene.instances.iter_mut().for_each(|instance| instance.material = 0);
+    scene.lights.clear();
+    scene.environment = Some(Environment::Constant(Rgb::ONE));
+    scene
 }

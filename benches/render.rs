@@ -1,0 +1,43 @@
+//! Camera samples per second on one thread: the main scene, and the marble sphere.
+
+use std::hint::black_box;
+use std::path::Path;
+
+use alabaster::raycast::embree::EmbreeCaster;
+use alabaster::scene::{Method, ProfileChoice, read_scene};
+use alabaster::transport::{Counters, RenderOptions, Renderer};
+use criterion::{Criterion, Throughput};
+
+/// Side of the picture: a sample of each of its pixels is one iteration, so that every iteration
+/// meets object and background in the proportion of the picture.
+const SIDE: u32 = 64;
+
+fn main() {
+    let mut criterion = Criterion::default().sample_size(20).configure_from_args();
+    let mut group = criterion.benchmark_group("render");
+    group.throughput(Throughput::Elements(u64::from(SIDE * SIDE)));
+    for name in ["alabaster", "marble-sphere"] {
+        let renderer = renderer(name);
+        let mut counters = Counters::default();
+        let mut sample = 0;
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| {
+                for pixel in 0..SIDE * SIDE {
+                    black_box(renderer.sample(pixel % SIDE, pixel / SIDE, sample, &mut counters));
+                }
+                sample += 1;
+            });
+        });
+    }
+    group.finish();
+    criterion.final_summary();
+}
+
+fn renderer(name: &str) -> Renderer<EmbreeCaster> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(format!("{name}.toml"));
+    let mut scene = read_scene(&path).unwrap();
+    (scene.film.width, scene.film.height) = (SIDE, SIDE);
+    let options =
+        RenderOptions { seed: 1, method: Method::Bssrdf, profile: ProfileChoice::Auto, max_depth: 0 };
+    Renderer::new(scene, options, |geometry| EmbreeCaster::new(geometry, 1)).unwrap()
+}
