@@ -5,13 +5,16 @@
 #[allow(dead_code)]
 mod builder;
 mod common;
+#[path = "common/program.rs"]
+#[allow(dead_code)]
+mod program;
 
 use std::fs;
 use std::path::Path;
 
 use builder::Builder;
 use common::assets::{assets, files};
-use common::program::render_tiny;
+use program::render_tiny;
 use serde_json::{Value, json};
 
 /// Renders `scene` of `folder` over an existing picture, which must stay as it is when the scene is refused.

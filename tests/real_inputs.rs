@@ -1,6 +1,9 @@
 //! Models and environments of others: all of them load and render, and none gains or loses light.
 
 mod common;
+#[path = "common/program.rs"]
+#[allow(dead_code)]
+mod program;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -10,8 +13,8 @@ use alabaster::radiometry::Rgb;
 use alabaster::scene::{Camera, ColorInput, Environment, FilmSettings, Filter, Scene, read_scene};
 use alabaster::transport::Counters;
 use common::assets::{assets, files};
-use common::program::run;
 use common::scenes::{Statistics, body, renderer};
+use program::run;
 
 /// Requires an extension that is not supported.
 const UNSUPPORTED: &str = "IridescenceSuzanne.glb";
