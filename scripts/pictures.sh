@@ -42,12 +42,12 @@ set_to() { printf 's|^%s = .*|%s = %s|' "$1" "$1" "$2"; }
 # absorbing VALUE: the expression that gives the wax by coefficients, σ_s = 600/m in all channels.
 absorbing() { printf 's|^albedo = .*|sigma_s = [600, 600, 600]|; s|^mean_free_path = .*|sigma_a = %s|' "$1"; }
 
-picture alabaster 256 400
-picture soap 256 300
-picture jade 256 300
-picture milk 512 300
-picture candle 1024 300
-picture marble-sphere 256 300
+picture alabaster 128 320
+picture soap 128 256
+picture jade 128 256
+picture milk 256 256
+picture candle 256 256
+picture marble-sphere 128 256
 
 strip mean-free-path \
     "$(set_to mean_free_path '[0.00025, 0.00019, 0.00013]')" "$(set_to mean_free_path '[0.001, 0.00075, 0.0005]')" \
