@@ -5,6 +5,5 @@ pub mod assets;
 pub mod bodies;
 pub mod bsdfs;
 pub mod cpu_time;
-pub mod program;
 pub mod scenes;
 pub mod volumetric;
