@@ -163,7 +163,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
         // brings to the camera is judged without that factor.
         let index = self.interiors.current().map_or(1.0, |inside| inside.ior);
         let carried = self.throughput.max_component() * index * index;
-        let u = self.stream.quad(self.set(place::SCATTER))[3];
+        let set = self.set(place::SCATTER);
         self.bounce += 1;
         if !(carried > 0.0 && carried.is_finite()) {
             return false;
@@ -172,7 +172,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
             return true;
         }
         self.throughput *= 1.0 / carried;
-        u < carried
+        self.stream.quad(set)[3] < carried
     }
 
     fn covers(&mut self, material: usize, surface: &SurfacePoint) -> bool {
