@@ -4,8 +4,13 @@
 //! thread and compares them with the pictures of an independent volumetric path tracer that stand there;
 //! then it times the marble sphere of `scenes/`.
 
-#[path = "../tests/common/mod.rs"]
-mod common;
+#[path = "../tests/common"]
+#[allow(dead_code)]
+mod common {
+    pub mod cpu_time;
+    pub mod scenes;
+    pub mod volumetric;
+}
 
 use std::error::Error;
 use std::path::Path;

@@ -3,8 +3,12 @@
 //!
 //! `cargo run --release --example energy_table [MODEL.glb]`; a model adds a row.
 
-#[path = "../tests/common/mod.rs"]
-mod common;
+#[path = "../tests/common"]
+#[allow(dead_code)]
+mod common {
+    pub mod bodies;
+    pub mod scenes;
+}
 
 use std::env;
 use std::error::Error;
@@ -25,19 +29,19 @@ use common::scenes::{Statistics, furnace, in_furnace, renderer};
 use rayon::prelude::*;
 
 const SIDE: u32 = 64;
-const SAMPLES: u64 = 64;
+const SAMPLES: u64 = 32;
 /// Lines of the area integral at each pixel, for the planar profile.
 const LINES: u32 = 64;
 const INDICES: [f32; 4] = [1.0, 1.33, 1.5, 1.0 / 1.33];
 const ROUGHNESSES: [f32; 2] = [0.0, 0.5];
 
-/// Bodies, how densely they scatter, what they stand in, and what pbrt-v3's BSSRDF rendered of the
-/// like: index 1.33, paths up to 100 bounces, figures of its own white furnace.
+/// A body of the tables.
 struct Row {
     name: String,
     scene: Scene,
     sigma_t: f32,
     indices: Vec<f32>,
+    /// Mean that pbrt-v3's BSSRDF rendered of a like body with index 1.33 in its own white furnace.
     pbrt: &'static str,
 }
 
@@ -46,48 +50,52 @@ fn main() -> Result<(), Box<dyn Error>> {
     if let Some(model) = env::args_os().nth(1) {
         rows.push(model_row(Path::new(&model))?);
     }
+    let furnaces: Vec<Vec<Furnace>> = rows.iter().map(furnaces).collect();
+    print_summary(&rows, &furnaces);
+    println!();
+    print_means(&rows, &furnaces);
+    Ok(())
+}
+
+fn furnaces(row: &Row) -> Vec<Furnace> {
+    let pairs = row.indices.iter().flat_map(|&eta| ROUGHNESSES.map(|roughness| (eta, roughness)));
+    pairs.map(|(eta, roughness)| Furnace::render(row, eta, roughness)).collect()
+}
+
+fn print_summary(rows: &[Row], furnaces: &[Vec<Furnace>]) {
     println!(
-        "| body | σ_t, 1/m | planar profile: mean | planar profile: largest pixel | pbrt-v3, rendered | alabaster, rendered: mean, worst of all | brightest pixel of all |"
+        "| body | σ_t, 1/m | planar profile: mean | largest pixel | pbrt-v3, mean | alabaster: mean farthest from 1 | pixel farthest from 1 |"
     );
     println!("|---|---|---|---|---|---|---|");
-    let mut details = Vec::new();
-    for row in &rows {
+    for (row, furnaces) in rows.iter().zip(furnaces) {
         let planar = planar_profile(row);
-        let furnaces: Vec<Furnace> = row
-            .indices
-            .iter()
-            .flat_map(|&eta| ROUGHNESSES.map(|roughness| (eta, roughness)))
-            .map(|(eta, roughness)| Furnace::render(row, eta, roughness))
-            .collect();
-        let worst = furnaces.iter().max_by(|a, b| (a.mean - 1.0).abs().total_cmp(&(b.mean - 1.0).abs()));
-        let brightest = furnaces.iter().map(|f| f.brightest).fold(0.0, f64::max);
+        let (mean, sigma) = (planar.mean(), planar.standard_error());
+        let Some(farthest) = furnaces.iter().max_by(|a, b| a.offset().total_cmp(&b.offset())) else {
+            continue;
+        };
+        let pixel = furnaces.iter().map(|f| f.largest_offset).fold(0.0, f64::max);
         println!(
-            "| {} | {} | {:.3} ± {:.3} | {:.2} | {} | {} | {brightest:.4} |",
+            "| {} | {} | {mean:.3} ± {sigma:.3} | {:.2} | {} | {} | {pixel:.3} |",
             row.name,
-            row.sigma_t,
-            planar.mean.mean(),
-            planar.mean.standard_error(),
-            planar.largest_pixel,
+            row.sigma_t.round(),
+            planar.max,
             row.pbrt,
-            worst.map_or(String::new(), Furnace::text),
+            farthest.text()
         );
-        details.extend(furnaces.iter().map(|furnace| {
-            format!(
-                "| {} | {} | {} | {} | {} | {:.4} |",
-                row.name,
-                row.sigma_t,
-                furnace.eta,
-                furnace.roughness,
-                furnace.text(),
-                furnace.brightest
-            )
-        }));
     }
-    println!(
-        "\n| body | σ_t, 1/m | η | roughness | rendered mean | brightest pixel |\n|---|---|---|---|---|---|"
-    );
-    details.iter().for_each(|line| println!("{line}"));
-    Ok(())
+}
+
+fn print_means(rows: &[Row], furnaces: &[Vec<Furnace>]) {
+    let pairs = INDICES.iter().flat_map(|eta| ROUGHNESSES.map(|roughness| (eta, roughness)));
+    let columns: Vec<String> = pairs
+        .map(|(eta, roughness)| format!("η {eta:.2}, {}", if roughness > 0.0 { "rough" } else { "smooth" }))
+        .collect();
+    println!("| body | σ_t, 1/m | {} |", columns.join(" | "));
+    println!("|---|---|{}", "---|".repeat(columns.len()));
+    for (row, furnaces) in rows.iter().zip(furnaces).filter(|(row, _)| row.indices == INDICES) {
+        let cells: Vec<String> = furnaces.iter().map(Furnace::text).collect();
+        println!("| {} | {} | {} |", row.name, row.sigma_t.round(), cells.join(" | "));
+    }
 }
 
 fn rows() -> Vec<Row> {
@@ -103,8 +111,8 @@ fn rows() -> Vec<Row> {
         "1.43",
         "1.60",
         "1.22",
-        "79, pixels up to 77,375 (σ_t not known)",
-        "",
+        "79 (σ_t not recorded)",
+        "79 (σ_t not recorded)",
     ];
     let mut rows: Vec<Row> =
         bodies::bodies().into_iter().zip(pbrt).map(|(body, pbrt)| row(body, &INDICES, pbrt)).collect();
@@ -135,12 +143,7 @@ fn model_row(path: &Path) -> Result<Row, Box<dyn Error>> {
 }
 
 /// ∫_A R dA over the points that the camera sees, by the estimator that shares no energy.
-struct PlanarProfile {
-    mean: Statistics,
-    largest_pixel: f64,
-}
-
-fn planar_profile(row: &Row) -> PlanarProfile {
+fn planar_profile(row: &Row) -> Statistics {
     let world =
         World::new(row.scene.clone(), |geometry| EmbreeCaster::new(geometry, 1)).expect("a scene in memory");
     let camera = row.scene.camera.rays(1.0);
@@ -156,7 +159,7 @@ fn planar_profile(row: &Row) -> PlanarProfile {
         .collect();
     let mut mean = Statistics::default();
     pixels.iter().for_each(|&m| mean.add(m));
-    PlanarProfile { largest_pixel: mean.max, mean }
+    mean
 }
 
 fn planar_energy_at(world: &World<EmbreeCaster>, hit: &Hit, ray: &Ray, sigma_t: f32, seed: u64) -> f64 {
@@ -184,11 +187,10 @@ fn planar_energy_at(world: &World<EmbreeCaster>, hit: &Hit, ray: &Ray, sigma_t: 
 
 /// A picture in which everything should be 1.
 struct Furnace {
-    eta: f32,
-    roughness: f32,
     mean: f64,
     standard_error: f64,
-    brightest: f64,
+    /// |x − 1| of the pixel where it is largest; noise included.
+    largest_offset: f64,
 }
 
 impl Furnace {
@@ -205,12 +207,19 @@ impl Furnace {
         );
         let mut variance = 0.0;
         let mut means = Statistics::default();
+        let mut largest_offset = 0.0_f64;
         for pixel in film.rows() {
-            means.add(f64::from(pixel.mean()[0]));
+            let mean = f64::from(pixel.mean()[0]);
+            means.add(mean);
+            largest_offset = largest_offset.max((mean - 1.0).abs());
             variance += pixel.variance_of_mean(0);
         }
         let standard_error = variance.sqrt() / f64::from(SIDE * SIDE);
-        Self { eta, roughness, mean: means.mean(), standard_error, brightest: means.max }
+        Self { mean: means.mean(), standard_error, largest_offset }
+    }
+
+    fn offset(&self) -> f64 {
+        (self.mean - 1.0).abs()
     }
 
     fn text(&self) -> String {

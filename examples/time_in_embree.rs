@@ -8,8 +8,12 @@
 //! after another and has the caches to itself, where the render's shading also uses them, so the true
 //! share is rather a little higher. Processor time of the thread; the least of several rounds.
 
-#[path = "../tests/common/mod.rs"]
-mod common;
+#[path = "../tests/common"]
+#[allow(dead_code)]
+mod common {
+    pub mod cpu_time;
+    pub mod scenes;
+}
 
 use std::env;
 use std::error::Error;

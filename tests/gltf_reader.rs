@@ -7,6 +7,8 @@ mod assets;
 mod bad_input;
 #[path = "gltf_reader/builder.rs"]
 mod builder;
+#[path = "common/assets.rs"]
+mod common_assets;
 #[path = "gltf_reader/geometry.rs"]
 mod geometry;
 #[path = "gltf_reader/materials.rs"]

@@ -1,8 +1,15 @@
 //! The promises of the TOML scene file: every key is read, and every mistake is answered with its
 //! line, its key, and a remedy.
 
+#[path = "common/assets.rs"]
+#[allow(dead_code)]
+mod assets;
+#[path = "gltf_reader/builder.rs"]
+#[allow(dead_code)]
+mod builder;
+
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use alabaster::radiometry::Rgb;
 use alabaster::scene::light::spot_solid_angle;
@@ -10,7 +17,10 @@ use alabaster::scene::{
     ColorMode, Environment, Filter, Light, Method, ProfileChoice, ScatteringInput, Scene, SceneError,
     Surface, read_scene,
 };
+use assets::assets;
+use builder::Builder;
 use glam::Vec3;
+use serde_json::json;
 
 const SPHERE: &str = "[[object]]\nshape = 'sphere'\ncenter = [0, 0, 0]\nradius = 1\nmaterial = 'm'\n";
 const MATERIAL: &str = "[material.m]\ntype = 'diffuse'\n";
@@ -337,17 +347,6 @@ fn dispersion_that_is_not_rendered_is_said() {
     }
 }
 
-/// Files of others, where they are at hand.
-fn assets() -> Option<PathBuf> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/assets");
-    let folder = std::env::var_os("ALABASTER_ASSETS").map_or_else(beside, PathBuf::from);
-    let found = folder.is_dir();
-    if !found {
-        println!("skipped: there is no folder {}", folder.display());
-    }
-    found.then_some(folder)
-}
-
 #[test]
 fn environment_maps_in_the_wild_are_read() {
     let Some(assets) = assets() else { return };
@@ -361,15 +360,17 @@ fn environment_maps_in_the_wild_are_read() {
         assert_eq!((*width, radiance.len()), (2 * height, width * height));
         assert!(radiance.iter().all(|p| p.is_finite() && p.min_component() >= 0.0));
         assert!(radiance.iter().any(|p| p.max_component() > 0.5));
-        assert_eq!(scene.warnings, Vec::<String>::new());
+        // Its lossy compression rings around the lamps: OpenEXR's own reader finds as many negative pixels.
+        let negative = (name == "studio_dwab.exr").then_some("798 of 131072 pixels had negative");
+        assert_eq!(scene.warnings.len(), negative.iter().len(), "{:?}", scene.warnings);
+        assert!(scene.warnings.iter().all(|warning| warning.contains(negative.unwrap_or_default())));
     }
 }
 
 #[test]
 fn a_gltf_file_is_a_scene_and_can_be_placed_twice() {
     let Some(assets) = assets() else { return };
-    let teapot = fs::read_dir(assets.join("meshes")).expect("meshes").flatten().map(|e| e.path());
-    let file = teapot.into_iter().find(|p| p.to_string_lossy().contains("teapot")).expect("the teapot");
+    let file = assets.join("meshes/UtahTeapot.glb");
     let alone = read_scene(&file).expect("the teapot");
     assert!(alone.warnings.iter().any(|w| w.contains("default rig")), "{:?}", alone.warnings);
     let object = format!("[[object]]\ngltf = '{}'\n", file.display());
@@ -423,4 +424,78 @@ fn damaged_maps_are_errors() {
             assert_eq!(error.file, path);
         }
     }
+}
+
+const SKIN: &str = "type = 'translucent'\nalbedo = 'base-color'\nmean_free_path = [0.001, 0.0005, 0.0003]\n";
+
+/// A folder with `model.gltf`: a triangle whose material has a texture as base colour and as normal map.
+fn textured_model() -> Builder {
+    let mut builder = Builder::with_material(json!({
+        "name": "face",
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [0.9, 0.8, 0.7, 1], "baseColorTexture": { "index": 0 }, "roughnessFactor": 0.4
+        },
+        "normalTexture": { "index": 0, "scale": 0.5 },
+    }));
+    builder.texture(2, 2, [10, 20, 30, 255]);
+    builder.file("model.gltf", builder.json.to_string().as_bytes());
+    builder
+}
+
+#[test]
+fn the_albedo_can_be_the_base_colour_of_the_model() {
+    let folder = textured_model().folder;
+    let object = "[[object]]\ngltf = 'model.gltf'\n";
+    let skin = format!("material = 'skin'\n[material.skin]\n{SKIN}");
+    let rough = "[material.rough]\nroughness = 0.7\n";
+    let text =
+        [object, object, "material = 'skin'\n", object, "material = 'rough'\n", object, &skin, rough, SKIN];
+    let scene = read_in(folder.path(), &[&text.concat(), LIGHT, CAMERA].concat()).expect("a valid scene");
+    let material = |object: usize| &scene.materials[scene.instances[object].material];
+    let (own, skin, rough) = (material(0), material(1), material(2));
+    let Surface::MetallicRoughness(original) = &own.surface else { panic!("{own:?}") };
+    assert_eq!((skin.name.as_str(), skin.normal_map), ("skin of face", own.normal_map));
+    let Surface::Translucent {
+        roughness,
+        medium: ScatteringInput::Albedo { albedo, mean_free_path, .. },
+        ..
+    } = &skin.surface
+    else {
+        panic!("{skin:?}")
+    };
+    assert_eq!((*albedo, *roughness), (original.base_color, 0.4));
+    assert_eq!((albedo.factor, albedo.texture), (Rgb::new(0.9, 0.8, 0.7), Some(0)));
+    assert_eq!(*mean_free_path, Rgb::new(0.001, 0.0005, 0.0003));
+    assert!(matches!(rough.surface, Surface::Translucent { roughness: 0.7, .. }), "{rough:?}");
+    // The same model with the same replacement is the same material.
+    assert_eq!(scene.instances[1].material, scene.instances[3].material);
+    assert_ne!(scene.instances[1].material, scene.instances[2].material);
+}
+
+#[test]
+fn an_albedo_from_the_base_colour_needs_one() {
+    let skin = format!("[material.m]\n{SKIN}");
+    let error = read(&[SPHERE, &skin, LIGHT, CAMERA].concat()).expect_err("a shape has no base colour");
+    assert_eq!(error.place, "line 5, object[0].material");
+    assert!(error.problem.contains("which a shape does not have"), "{error}");
+
+    let wrong = format!("[material.m]\n{}", SKIN.replace("base-color", "base-colour"));
+    let error = read(&[SPHERE, &wrong, LIGHT, CAMERA].concat()).expect_err("misspelt");
+    assert!(error.problem.contains("did you mean `base-color`?"), "{error}");
+
+    let marble = Builder::with_material(json!({
+        "name": "marble",
+        "pbrMetallicRoughness": { "metallicFactor": 0 },
+        "extensions": {
+            "KHR_materials_transmission": { "transmissionFactor": 1 },
+            "KHR_materials_volume": { "thicknessFactor": 1, "attenuationDistance": 0.01, "attenuationColor": [0.5, 0.5, 0.5] },
+            "KHR_materials_volume_scatter": { "multiscatterColor": [0.5, 0.5, 0.5] },
+        }
+    }));
+    marble.file("model.gltf", marble.json.to_string().as_bytes());
+    let object = "[[object]]\ngltf = 'model.gltf'\nmaterial = 'm'\n";
+    let error =
+        read_in(marble.folder.path(), &[object, &skin, LIGHT, CAMERA].concat()).expect_err("no base colour");
+    assert_eq!(error.place, "line 3, object[0].material");
+    assert!(error.problem.contains("`marble` has none"), "{error}");
 }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::area_integral::{AreaIntegral, Channels, EntryPoint};
+use super::area_integral::{AreaIntegral, Channels};
 use super::counters::Counters;
 use super::interiors::Interiors;
 use super::light_choice::Receiver;
@@ -163,7 +163,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
         // brings to the camera is judged without that factor.
         let index = self.interiors.current().map_or(1.0, |inside| inside.ior);
         let carried = self.throughput.max_component() * index * index;
-        let u = self.stream.quad(self.set(place::SCATTER))[3];
+        let set = self.set(place::SCATTER);
         self.bounce += 1;
         if !(carried > 0.0 && carried.is_finite()) {
             return false;
@@ -172,7 +172,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
             return true;
         }
         self.throughput *= 1.0 / carried;
-        u < carried
+        self.stream.quad(set)[3] < carried
     }
 
     fn covers(&mut self, material: usize, surface: &SurfacePoint) -> bool {
@@ -383,57 +383,93 @@ impl<'a, C: RayCaster> Path<'a, C> {
         material: usize,
         surface: &SurfacePoint,
         orientation: &Orientation,
-        scattering: &Scattering,
+        scattering: &Scattering<'a>,
     ) -> Option<Next> {
         self.throughput *= scattering.albedo;
         if self.throughput.is_black() {
             return None;
         }
-        let renderer = self.renderer;
-        let world = &renderer.world;
-        let mut entry = EntryPoint { hit: None, weight: Rgb::ONE };
-        if renderer.options.method != Method::Diffuse {
-            let integral = AreaIntegral {
-                caster: world.caster(),
-                geometric_normal: |hit: &_| world.geometric_normal(hit),
-                instance: surface.instance,
-                spread: &scattering.spread,
-                channels: Channels::of(self.throughput),
-                position: surface.position,
-                position_error: surface.error.max_element(),
-                normal: orientation.geometric,
-            };
-            self.counters.area_integrals += 1;
-            entry = integral.sample(&self.stream, self.set(place::PROBE), &mut self.counters.probes);
-        }
-        self.throughput *= entry.weight;
-        let Some(hit) = entry.hit else {
-            return Some(self.enter(surface, orientation, scattering.boundary));
-        };
-        let point = world.surface(&hit);
-        let orientation = Orientation::on_side(world.scene(), material, &point, orientation.flipped);
-        self.interiors = match world.has_interiors() {
-            true => world.interiors_at(leave(&point, orientation.geometric), orientation.geometric),
-            false => self.interiors,
-        };
-        let scattering = self.scattering(material, &point)?;
-        Some(self.enter(&point, &orientation, scattering.boundary))
+        let entry = self.find_entry(material, surface, orientation, scattering)?;
+        self.add_direct(place::ENTRY_LIGHT, &entry.point, &entry.receiver(), |wi| entry.respond(wi));
+        Some(self.leave_entry(&entry))
     }
 
-    /// Light enters a translucent body at `point` by the normalised lobe S_w.
-    fn enter(&mut self, point: &SurfacePoint, orientation: &Orientation, boundary: &Boundary) -> Next {
-        let respond = |wi: Vec3| entry_response(boundary, orientation, wi);
-        let receiver = orientation.receiver(point);
-        self.add_direct(place::ENTRY_LIGHT, point, &receiver, respond);
+    /// Draws where the light that leaves at `surface` came in; the throughput takes its weight.
+    fn find_entry(
+        &mut self,
+        material: usize,
+        surface: &SurfacePoint,
+        orientation: &Orientation,
+        scattering: &Scattering<'a>,
+    ) -> Option<Entry<'a>> {
+        let renderer = self.renderer;
+        let world = &renderer.world;
+        let here = Entry { point: *surface, orientation: *orientation, boundary: scattering.boundary };
+        if renderer.options.method == Method::Diffuse {
+            return Some(here);
+        }
+        let integral = AreaIntegral {
+            caster: world.caster(),
+            geometric_normal: |hit: &_| world.geometric_normal(hit),
+            instance: surface.instance,
+            spread: &scattering.spread,
+            channels: Channels::of(self.throughput),
+            position: surface.position,
+            position_error: surface.error.max_element(),
+            normal: orientation.geometric,
+        };
+        self.counters.area_integrals += 1;
+        let drawn = integral.sample(&self.stream, self.set(place::PROBE), &mut self.counters.probes);
+        self.throughput *= drawn.weight;
+        let Some(hit) = drawn.hit else { return Some(here) };
+        let point = world.surface(&hit);
+        let orientation = Orientation::on_side(world.scene(), material, &point, orientation.flipped);
+        if world.has_interiors() {
+            self.interiors = world.interiors_at(leave(&point, orientation.geometric), orientation.geometric);
+        }
+        let boundary = self.scattering(material, &point)?.boundary;
+        Some(Entry { point, orientation, boundary })
+    }
+
+    /// Follows the light that came in at `entry` to where it came from.
+    fn leave_entry(&mut self, entry: &Entry) -> Next {
+        let Entry { point, orientation, boundary } = entry;
         let [u, v, _, _] = self.stream.quad(self.set(place::ENTRY));
         let mut direction = Frame::from_normal(orientation.shading).to_world(boundary.sample_exit([u, v]));
         if direction.dot(orientation.geometric) < 0.0 {
             direction = orientation.mirrored(direction);
         }
-        let Response { value, density } = respond(direction);
+        let Response { value, density } = entry.respond(direction);
         self.throughput *= if density > 0.0 { value / density } else { Rgb::ZERO };
-        self.scattered_from = Some(Origin { receiver, density });
+        self.scattered_from = Some(Origin { receiver: entry.receiver(), density });
         Next { origin: leave(point, direction), direction }
+    }
+}
+
+/// Where light enters a translucent body.
+struct Entry<'a> {
+    point: SurfacePoint,
+    orientation: Orientation,
+    boundary: &'a Boundary,
+}
+
+impl Entry<'_> {
+    fn receiver(&self) -> Receiver {
+        self.orientation.receiver(&self.point)
+    }
+
+    /// The lobe S_w cosθ around the shading normal and the density that samples it, folded by the plane
+    /// of the triangle.
+    fn respond(&self, wi: Vec3) -> Response {
+        let (mut value, mut density) = (0.0, 0.0);
+        if wi.dot(self.orientation.geometric) > 0.0 {
+            for direction in self.orientation.unfolded(wi) {
+                let cos = direction.dot(self.orientation.shading);
+                value += self.boundary.exit_lobe(cos) * cos;
+                density += self.boundary.exit_density(cos);
+            }
+        }
+        Response { value: Rgb::splat(value), density }
     }
 }
 
@@ -453,20 +489,6 @@ fn bsdf_response(
         response.density += bsdf.density(local_wo, local);
     }
     response
-}
-
-/// The lobe S_w cosθ around the shading normal and the density that samples it, folded by the plane of
-/// the triangle.
-fn entry_response(boundary: &Boundary, orientation: &Orientation, wi: Vec3) -> Response {
-    let (mut value, mut density) = (0.0, 0.0);
-    if wi.dot(orientation.geometric) > 0.0 {
-        for direction in orientation.unfolded(wi) {
-            let cos = direction.dot(orientation.shading);
-            value += boundary.exit_lobe(cos) * cos;
-            density += boundary.exit_density(cos);
-        }
-    }
-    Response { value: Rgb::splat(value), density }
 }
 
 /// `surface`'s position moved off it, to the side of `direction`.

@@ -1,6 +1,7 @@
 //! What the tests share, and the examples that print the figures which the tests hold.
 #![allow(dead_code)]
 
+pub mod assets;
 pub mod bodies;
 pub mod bsdfs;
 pub mod cpu_time;

@@ -6,34 +6,11 @@ use std::time::Duration;
 
 use alabaster::scene::{GltfScene, ScatteringInput, SceneError, Surface, read_gltf};
 
-/// The folder of assets; `None`, with a printed reason, if there is none.
-fn assets() -> Option<PathBuf> {
-    let default = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/assets");
-    let folder = std::env::var_os("ALABASTER_ASSETS").map_or_else(default, PathBuf::from);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!("skipped: no assets in {} (set ALABASTER_ASSETS)", folder.display());
-    None
-}
+use crate::common_assets::{assets, files};
 
 /// Every `.gltf` and `.glb` in `folder` and below, in a fixed order.
 fn scenes(folder: &Path) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    let mut pending = vec![folder.to_path_buf()];
-    while let Some(folder) = pending.pop() {
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                pending.push(path);
-            } else if path.extension().is_some_and(|ending| ending == "gltf" || ending == "glb") {
-                found.push(path);
-            }
-        }
-    }
-    found.sort();
-    assert!(!found.is_empty(), "no scenes");
-    found
+    files(folder, &["gltf", "glb"])
 }
 
 /// Reads in a thread of its own, which must come back within ten seconds.

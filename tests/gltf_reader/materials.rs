@@ -99,7 +99,8 @@ fn one_image_serves_as_colour_and_data() {
     builder.texture(2, 2, [128; 4]);
     let read = builder.read_ok();
     assert_eq!((read.scene.textures.len(), read.scene.images.len()), (2, 1));
-    assert!(read.has_lights);
+    // A surface that glows no brighter than white paper is no light.
+    assert!(!read.has_lights);
 }
 
 #[test]

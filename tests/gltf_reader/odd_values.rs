@@ -62,6 +62,7 @@ fn every_value_replaced_by_an_odd_one() {
                 );
                 for mesh in &scene.meshes {
                     assert!(mesh.positions.iter().all(|p| p.is_finite()), "{pointer} {value}");
+                    assert!(mesh.tangents.iter().all(|t| t.is_finite()), "{pointer} {value}");
                     let count = mesh.positions.len() as u32;
                     assert!(mesh.triangles.iter().flatten().all(|&i| i < count), "{pointer} {value}");
                 }
