@@ -8,7 +8,7 @@ use super::shape::horizontal_frame;
 use super::{Camera, Environment, Light, ScatteringInput, Scene, SceneError, Surface};
 use crate::radiometry::Rgb;
 
-/// Sets the camera, or frames the objects; adds soft light if the scene `has_lights` of its own not; warns of
+/// Sets the camera, or frames the objects; adds soft light unless the scene `has_lights`; warns of
 /// units that look wrong. An error if there is nothing to see.
 pub fn complete(
     scene: &mut Scene,
