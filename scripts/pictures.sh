@@ -46,8 +46,6 @@ picture alabaster 512 320
 picture soap 128 256
 picture jade 128 256
 picture milk 256 256
-picture candle 256 256
-picture marble-sphere 128 256
 
 strip mean-free-path \
     "$(set_to mean_free_path '[0.00025, 0.00019, 0.00013]')" "$(set_to mean_free_path '[0.001, 0.00075, 0.0005]')" \
