@@ -24,8 +24,8 @@ use alabaster::raycast::{Hit, Ray, RayCaster};
 use alabaster::scene::{Scene, read_scene};
 use alabaster::transport::area_integral::{AreaIntegral, Channels, Spread};
 use alabaster::transport::world::World;
-use common::bodies::{self, white};
-use common::scenes::{Statistics, furnace, in_furnace, renderer};
+use common::bodies;
+use common::scenes::{Statistics, furnace, in_furnace, renderer, white};
 use rayon::prelude::*;
 
 const SIDE: u32 = 64;

@@ -8,8 +8,8 @@ use alabaster::radiometry::Rgb;
 use alabaster::scene::{Scene, read_scene};
 use alabaster::transport::Counters;
 use common::assets::assets;
-use common::bodies::{bodies, bubble, white};
-use common::scenes::{Statistics, furnace, in_furnace, renderer};
+use common::bodies::{bodies, bubble};
+use common::scenes::{Statistics, furnace, in_furnace, renderer, white};
 
 const INDICES: [f32; 4] = [1.0, 1.33, 1.5, 1.0 / 1.33];
 const ROUGHNESSES: [f32; 2] = [0.0, 0.5];

@@ -65,11 +65,6 @@ impl HashGenerator {
         unit((self.next_u64() >> 32) as u32)
     }
 
-    /// The next number in [0, 1), on a grid of 2⁻⁵³.
-    pub fn next_f64(&mut self) -> f64 {
-        (self.next_u64() >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
-    }
-
     fn next_u64(&mut self) -> u64 {
         self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         hash(self.state)

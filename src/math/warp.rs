@@ -21,13 +21,6 @@ pub fn square_to_cosine_hemisphere(u: f32, v: f32) -> Vec3 {
     d.extend((1.0 - d.length_squared()).max(0.0).sqrt())
 }
 
-/// Direction on the unit sphere with density 1/(4π).
-pub fn square_to_sphere(u: f32, v: f32) -> Vec3 {
-    let z = 1.0 - 2.0 * u;
-    let r = (1.0 - z * z).max(0.0).sqrt();
-    Vec3::new(r * (TAU * v).cos(), r * (TAU * v).sin(), z)
-}
-
 /// Direction inside the cone around +z whose half angle has 1 − cosine `one_minus_cos_max`
 /// (so that narrow cones keep their digits); density 1/(2π·`one_minus_cos_max`).
 pub fn square_to_cone(u: f32, v: f32, one_minus_cos_max: f32) -> Vec3 {

@@ -57,22 +57,14 @@ impl Ggx {
         safe_sqrt(a2 + (1.0 - a2) * cos * cos)
     }
 
-    /// Smith's Λ for a direction of cosine `cos` (Heitz 2014, eq. 72): infinite at grazing.
-    pub fn lambda(&self, cos: f32) -> f32 {
-        0.5 * (self.slope_root(cos) / cos - 1.0)
-    }
-
-    /// Masking G₁ = 1/(1 + Λ), the share of the projected microfacet area visible under `cos`.
+    /// Masking G₁ = 1/(1 + Λ), the share of the projected microfacet area visible under `cos`, with
+    /// Smith's Λ = (root/cos − 1)/2 (Heitz 2014, eq. 72).
     pub fn masking(&self, cos: f32) -> f32 {
         2.0 * cos / (cos + self.slope_root(cos))
     }
 
-    /// Height-correlated masking and shadowing G₂ = 1/(1 + Λ_o + Λ_i) (Heitz 2014, eq. 99).
-    pub fn masking_shadowing(&self, cos_o: f32, cos_i: f32) -> f32 {
-        cos_o * self.shadowing_over_cos(cos_o, cos_i)
-    }
-
-    /// G₂ / cos_o, finite at grazing `cos_o`.
+    /// G₂ / cos_o, finite at grazing `cos_o`, with the height-correlated masking and shadowing
+    /// G₂ = 1/(1 + Λ_o + Λ_i) (Heitz 2014, eq. 99).
     pub(super) fn shadowing_over_cos(&self, cos_o: f32, cos_i: f32) -> f32 {
         let sum = cos_i * self.slope_root(cos_o) + cos_o * self.slope_root(cos_i);
         if sum > 0.0 { 2.0 * cos_i / sum } else { 0.0 }

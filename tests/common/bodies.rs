@@ -1,7 +1,6 @@
 //! The bodies of the white furnace: flat, small, thin, concave, and next to itself.
 
-use alabaster::radiometry::Rgb;
-use alabaster::scene::{ColorInput, Material, Mesh, ScatteringInput, Surface, shape};
+use alabaster::scene::{Mesh, shape};
 use glam::Vec3;
 
 use super::scenes::{l_shape, two_slabs};
@@ -56,18 +55,4 @@ pub fn bubble() -> Body {
 /// Wide enough that none of the light in the middle reaches its edge.
 fn plane() -> Mesh {
     shape::quad(Vec3::ZERO, Vec3::Z * 50.0, Vec3::X * 50.0)
-}
-
-/// A material that absorbs nothing and scatters alike in all directions, σ_s = `sigma_s`.
-pub fn white(eta: f32, roughness: f32, sigma_s: Rgb) -> Material {
-    Material {
-        name: "white".into(),
-        surface: Surface::Translucent {
-            ior: eta,
-            roughness,
-            medium: ScatteringInput::Coefficients { sigma_a: Rgb::ZERO, sigma_s, g: 0.0 },
-        },
-        emission: ColorInput::constant(Rgb::ZERO),
-        ..Material::default()
-    }
 }

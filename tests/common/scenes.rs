@@ -55,11 +55,10 @@ impl Statistics {
     }
 }
 
-/// A translucent material that absorbs nothing; the channels differ in mean free path.
-pub fn body(eta: f32, roughness: f32, free_path: f32) -> Material {
-    let sigma_s = Rgb::new(1.0, 0.8, 1.6) / free_path;
+/// A material that absorbs nothing and scatters alike in all directions, σ_s = `sigma_s`.
+pub fn white(eta: f32, roughness: f32, sigma_s: Rgb) -> Material {
     Material {
-        name: "body".into(),
+        name: "white".into(),
         surface: Surface::Translucent {
             ior: eta,
             roughness,
@@ -68,6 +67,11 @@ pub fn body(eta: f32, roughness: f32, free_path: f32) -> Material {
         emission: ColorInput::constant(Rgb::ZERO),
         ..Material::default()
     }
+}
+
+/// A translucent material that absorbs nothing; the channels differ in mean free path.
+pub fn body(eta: f32, roughness: f32, free_path: f32) -> Material {
+    white(eta, roughness, Rgb::new(1.0, 0.8, 1.6) / free_path)
 }
 
 /// One mesh in uniform light of radiance 1, filling most of the picture.
