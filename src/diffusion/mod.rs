@@ -21,3 +21,14 @@ pub trait Profile {
     /// bound; tight to a small factor.
     fn radius_of_ratio(&self, radius: f32, ratio: f32) -> f32;
 }
+
+/// A radially symmetric model of how a flat half-space, or slab, spreads the light that enters it at
+/// one point, evaluated in double precision: for study, and to tabulate from.
+pub trait DiffusionModel: Sync {
+    /// R_d(r), 1/m²: flux per area that leaves at distance `radius` (m) from where unit flux entered.
+    /// Never negative.
+    fn reflectance(&self, radius: f64) -> f64;
+
+    /// Total albedo ∫₀^∞ R_d(r) 2πr dr.
+    fn albedo(&self) -> f64;
+}

@@ -38,11 +38,14 @@ pub fn fresnel_dielectric(cos_i: f32, eta: f32) -> Fresnel {
 
 /// Double-precision Fresnel terms. Inputs are single precision on the hot path, so their squares are
 /// exact here and cos²_i − μ_c² keeps its digits up to the critical angle itself.
-struct Interface {
-    reflectance: f64,
-    transmittance: f64,
-    /// Non-negative.
-    cos_t: f64,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interface {
+    /// Share of the power reflected, in [0, 1].
+    pub reflectance: f64,
+    /// Share of the power transmitted, 1 − reflectance with its own digits.
+    pub transmittance: f64,
+    /// Cosine of the refracted direction; non-negative, 0 at total internal reflection.
+    pub cos_t: f64,
 }
 
 impl Interface {
@@ -54,7 +57,7 @@ impl Interface {
     /// c − g = −(e² − 1)/(c + g) and e²c − g = (e² − 1)((e² + 1)c² − 1)/(e²c + g): both amplitudes
     /// carry the factor e² − 1, and nothing is left to cancel as e → 1. Likewise
     /// 1 − R_s = 4cg/(c + g)² and 1 − R_p = 4e²cg/(e²c + g)² need no subtraction from 1.
-    fn new(cos_i: f64, relative_eta: f64) -> Self {
+    pub fn new(cos_i: f64, relative_eta: f64) -> Self {
         let e2 = relative_eta * relative_eta;
         let contrast = (relative_eta - 1.0) * (relative_eta + 1.0);
         if contrast == 0.0 {
