@@ -338,8 +338,12 @@ impl Reader<'_> {
     fn inside(&mut self, grid: &Grid) -> Inside {
         let (by_depth, beyond) = self.take_with_beyond(grid.depth);
         let rows = self.take((grid.depth + 1) * (grid.radial + 1));
-        let cells: Vec<Estimate> =
-            rows.chunks(grid.radial + 1).take(grid.depth).flat_map(|row| &row[..grid.radial]).copied().collect();
+        let cells: Vec<Estimate> = rows
+            .chunks(grid.radial + 1)
+            .take(grid.depth)
+            .flat_map(|row| &row[..grid.radial])
+            .copied()
+            .collect();
         let per_depth = 1.0 / grid.depth_step;
         Inside {
             by_depth: scaled(by_depth, |_| per_depth),

@@ -176,8 +176,7 @@ impl Walk {
     /// function of these three numbers alone.
     pub fn run<O: Observer>(&self, photons: u64, seed: u64, stream: u64, observer: &mut O) {
         // Any odd factor keeps the streams of one seed apart; the generator hashes its seed.
-        let mut random =
-            Xoshiro256PlusPlus::seed_from_u64(seed ^ stream.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(seed ^ stream.wrapping_mul(0x9e37_79b9_7f4a_7c15));
         for _ in 0..photons {
             let Some(photon) = self.enter(&mut random, observer) else { continue };
             let next_roulette = self.roulette.collisions;
