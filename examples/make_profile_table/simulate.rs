@@ -6,15 +6,15 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use alabaster::slab::white::{RINGS, WhiteTally, white_walk};
-use alabaster::slab::{Source, estimate};
-
-use crate::nodes::{absorbed_share_rows, photons};
+use alabaster::slab::{Estimate, Source, estimate};
+use alabaster::diffusion::tabulated::{ROWS, absorbed_share_of_row};
+use alabaster::medium::Entry;
 
 /// A node of the table: one walk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node {
-    /// Light from all sides, or a pencil beam.
-    pub diffuse: bool,
+    /// How light enters.
+    pub entry: Entry,
     /// Index of refraction.
     pub eta: f64,
     /// Mean cosine.
@@ -26,7 +26,10 @@ pub type Rings = Vec<Vec<f64>>;
 
 /// The rings of `node`, from `folder` if they are there, by simulation if not.
 pub fn rings(node: Node, folder: &Path) -> std::io::Result<Rings> {
-    let entry = if node.diffuse { "diffuse" } else { "normal" };
+    let entry = match node.entry {
+        Entry::Normal => "normal",
+        Entry::Diffuse => "diffuse",
+    };
     let path = folder.join(format!("{entry}-{:.6}-{:.6}.csv", node.eta, node.g));
     if !path.exists() {
         let text = simulate(node);
@@ -38,15 +41,18 @@ pub fn rings(node: Node, folder: &Path) -> std::io::Result<Rings> {
 }
 
 fn simulate(node: Node) -> String {
-    let source = if node.diffuse { Source::Diffuse } else { Source::Pencil { cosine: 1.0 } };
+    let source = match node.entry {
+        Entry::Normal => Source::Pencil { cosine: 1.0 },
+        Entry::Diffuse => Source::Diffuse,
+    };
     let start = Instant::now();
     let walk = white_walk(node.eta, node.g, source).expect("the nodes are valid half-spaces");
-    let shares = absorbed_share_rows(node.g);
+    let shares: Vec<f64> = (0..ROWS).map(|row| absorbed_share_of_row(row, node.g)).collect();
     let tally = || WhiteTally::new(node.eta, &shares);
-    let outcome = estimate(&walk, photons(node.g), 1, tally, |_| {}, &AtomicBool::new(false));
+    let outcome = estimate(&walk, photons(node), 1, tally, |_| {}, &AtomicBool::new(false));
     let entered = outcome.estimates[shares.len() * RINGS].value;
     let rows = outcome.estimates[..shares.len() * RINGS].chunks(RINGS);
-    let noise = |row: &[alabaster::slab::Estimate]| {
+    let noise = |row: &[Estimate]| {
         let (sum, error) = row.iter().fold((0.0, 0.0), |(s, e), x| (s + x.value, e + x.standard_error));
         0.8 * error / sum
     };
@@ -57,4 +63,13 @@ fn simulate(node: Node) -> String {
         values.join(",") + "\n"
     })
     .collect()
+}
+
+/// Packets walked for a node: more where fewer of them come back soon, and for the entry that renders use.
+fn photons(node: Node) -> u64 {
+    let base = match node.entry {
+        Entry::Normal => 5e6,
+        Entry::Diffuse => 1e7,
+    };
+    (base * (1.0 - node.g).powf(-0.3)) as u64
 }

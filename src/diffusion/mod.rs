@@ -2,6 +2,7 @@
 
 pub mod normalized_diffusion;
 pub mod shape;
+pub mod tabulated;
 
 pub use normalized_diffusion::NormalizedDiffusion;
 pub use shape::{Shape, ShapeTable};

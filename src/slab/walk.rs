@@ -29,15 +29,16 @@ pub struct Roulette {
     /// A packet with less weight than this survives with probability weight/this, and then weighs this. 1 makes the
     /// walk analog: a packet is absorbed whole or not at all.
     pub weight: f64,
-    /// After this many collisions, and whenever their number has doubled since, half of the packets
-    /// are dropped and the others count twice. Without it a packet in a half-space that absorbs nothing
-    /// makes infinitely many collisions in the mean.
+    /// After this many collisions, and whenever their number has doubled since, packets are dropped. Without it
+    /// a packet in a half-space that absorbs nothing makes infinitely many collisions in the mean.
     pub collisions: u64,
+    /// Share of the packets that is kept then; they count the more. Below 1/√2, the mean number of collisions is finite.
+    pub kept: f64,
 }
 
 impl Default for Roulette {
     fn default() -> Self {
-        Self { weight: 0.25, collisions: 1 << 14 }
+        Self { weight: 0.25, collisions: 1 << 14, kept: 0.5 }
     }
 }
 
@@ -296,7 +297,7 @@ impl<O: Observer> Walker<'_, O> {
     /// Plays both roulettes.
     #[inline]
     fn survives(&mut self) -> bool {
-        let Roulette { weight, .. } = self.walk.roulette;
+        let Roulette { weight, kept, .. } = self.walk.roulette;
         let photon = &mut self.photon;
         if photon.weight < weight || photon.weight == 0.0 {
             if uniform(self.random) * weight >= photon.weight {
@@ -306,10 +307,10 @@ impl<O: Observer> Walker<'_, O> {
         }
         if photon.collisions >= self.next_roulette {
             self.next_roulette = self.next_roulette.saturating_mul(2);
-            if uniform(self.random) < 0.5 {
+            if uniform(self.random) >= kept {
                 return false;
             }
-            photon.weight *= 2.0;
+            photon.weight /= kept;
         }
         true
     }

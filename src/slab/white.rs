@@ -42,7 +42,7 @@ pub fn white_walk(eta: f64, g: f64, source: Source) -> Result<Walk, LayerError> 
     // and radius has about the same share of it. Measured: for the same work the error summed over rings is a
     // quarter to a half of what it is with roulette after 64/(1 − g).
     let collisions = (4.0 / (1.0 - g).sqrt()).round() as u64;
-    Ok(Walk::new(&stack, source, Roulette { weight: 0.0, collisions }))
+    Ok(Walk::new(&stack, source, Roulette { weight: 0.0, collisions, kept: 0.6 }))
 }
 
 /// Radius of the outer edge of ring `i`, in mean free paths.

@@ -1,0 +1,78 @@
+//! From rings of light to the logits of the table.
+
+use alabaster::diffusion::shape::{KNOTS, knot_radius};
+use alabaster::slab::white::{RINGS, RINGS_PER_DECADE, ring_edge};
+
+/// Shares of the energy, on either side, below which a cumulative energy rests on too few packets: it is continued from there.
+const LEAST_INSIDE: f64 = 3e-4;
+const LEAST_OUTSIDE: f64 = 1e-4;
+
+/// Rings on either side of a knot from which its logit is found.
+const WINDOW: usize = RINGS_PER_DECADE / 8;
+
+/// Logits of the share of energy within the radii of the knots. `rings` holds the energy by ring, in
+/// mean free paths; `reduced` is the reduced extinction coefficient over the extinction coefficient.
+pub fn logits(rings: &[f64], reduced: f64) -> [f64; KNOTS] {
+    let inside: Vec<f64> = rings
+        .iter()
+        .scan(0.0, |sum, e| {
+            *sum += e;
+            Some(*sum)
+        })
+        .collect();
+    let total = inside[RINGS - 1];
+    let mut outside: Vec<f64> = rings[1..]
+        .iter()
+        .rev()
+        .scan(0.0, |sum, e| {
+            *sum += e;
+            Some(*sum)
+        })
+        .collect();
+    outside.reverse();
+    // At the outer edges of the rings that have one.
+    let edges: Vec<(f64, f64)> = (0..RINGS - 1)
+        .filter(|&i| inside[i] > LEAST_INSIDE * total && outside[i] > LEAST_OUTSIDE * total)
+        .map(|i| ((ring_edge(i) * reduced).ln(), (inside[i] / outside[i]).ln()))
+        .collect();
+    std::array::from_fn(|k| at(&edges, knot_radius(k).ln()))
+}
+
+/// The logit at `position` = ln r, from logits at equidistant `edges`.
+fn at(edges: &[(f64, f64)], position: f64) -> f64 {
+    let (first, last) = (edges[0], edges[edges.len() - 1]);
+    if position <= first.0 {
+        // The pole R ~ 1/r of light scattered once: F in proportion to r.
+        return first.1 + position - first.0;
+    }
+    if position >= last.0 {
+        // The tail falls exponentially: s grows in proportion to r, at the rate found over the last half octave or, where
+        // it falls by a power, ln r.
+        let before = edges[edges.len() - 1 - RINGS_PER_DECADE / 6];
+        let rate = (last.1 - before.1) / (last.0.exp() - before.0.exp());
+        return last.1 + rate * (position.exp() - last.0.exp());
+    }
+    let step = edges[1].0 - edges[0].0;
+    let nearest = ((position - first.0) / step).round() as usize;
+    let low = nearest.saturating_sub(WINDOW);
+    let high = (nearest + WINDOW).min(edges.len() - 1);
+    quadratic_fit(&edges[low..=high], position)
+}
+
+/// Value at `x` of the parabola fitted to `points` by least squares.
+fn quadratic_fit(points: &[(f64, f64)], x: f64) -> f64 {
+    let mut moments = [0.0; 5];
+    let mut right = [0.0; 3];
+    for (position, value) in points {
+        let t = position - x;
+        for (power, moment) in moments.iter_mut().enumerate() {
+            *moment += t.powi(power as i32);
+        }
+        for (power, r) in right.iter_mut().enumerate() {
+            *r += value * t.powi(power as i32);
+        }
+    }
+    let matrix = nalgebra::Matrix3::from_fn(|i, j| moments[i + j]);
+    let solution = matrix.lu().solve(&nalgebra::Vector3::from(right));
+    solution.map_or(points[points.len() / 2].1, |s| s[0])
+}
