@@ -9,7 +9,7 @@ use crate::optics::fresnel::fresnel_moment;
 /// near η = 1, where C₂ vanishes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundaryMoments {
-    /// C_φ = (1 − 2C₁)/4: exitance per fluence just below the boundary (d'Eon and Irving 2011, eq. 10).
+    /// C_φ = (1 − 2C₁)/4: exitance per fluence just below the boundary (d'Eon and Irving 2011).
     pub c_phi: f64,
     /// C_E = (1 − 3C₂)/2: exitance per net flux through the boundary (the same equation).
     pub c_e: f64,
@@ -44,7 +44,7 @@ impl BoundaryMoments {
     }
 
     /// A = (1 + 3C₂)/(1 − 2C₁) = (1 − C_E)/(2C_φ): the boundary that also balances the flux
-    /// (d'Eon and Irving 2011, equation 12).
+    /// (d'Eon and Irving 2011).
     pub fn reflection_parameter(&self) -> f64 {
         (1.0 - self.c_e) / (2.0 * self.c_phi)
     }

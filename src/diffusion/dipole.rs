@@ -5,8 +5,8 @@ use glam::DVec3;
 use super::mirrored_source::MirroredSource;
 use super::{DiffusionModel, HalfSpace};
 
-/// An isotropic source one mean free path below the surface, and its mirror image: R_d of equation 4.
-/// Multiple scattering only; the light of a single scattering event is not in it.
+/// An isotropic source one mean free path below the surface, and its mirror image. Multiple
+/// scattering only; the light of a single scattering event is not in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dipole {
     source: MirroredSource,
@@ -44,7 +44,7 @@ impl DiffusionModel for Dipole {
         self.strength * self.source.exitance(radius, self.depth)
     }
 
-    /// α'/2 (1 + e^(−4/3 A √(3(1−α')))) e^(−√(3(1−α'))), equation 5's companion in section 2.4.
+    /// α'/2 (1 + e^(−4/3 A √(3(1−α')))) e^(−√(3(1−α'))).
     fn albedo(&self) -> f64 {
         self.energy_beyond(0.0)
     }

@@ -100,8 +100,8 @@ impl HalfSpace {
         1.0 / (3.0 * self.sigma_t_reduced())
     }
 
-    /// Diffusion coefficient of Grosjean's modified theory, D = (2σ_a + σ_s')/(3σ_t'²), m
-    /// (d'Eon and Irving 2011, equation 14).
+    /// Diffusion coefficient of Grosjean's modified theory, D = (2σ_a + σ_s')/(3σ_t'²), m (d'Eon and
+    /// Irving 2011).
     pub fn diffusion_coefficient_grosjean(&self) -> f64 {
         self.diffusion_coefficient() * (1.0 + self.absorbed_share_reduced())
     }

@@ -38,3 +38,43 @@ pub fn energy_between(model: &(impl DiffusionModel + ?Sized), from: f64, to: f64
 pub fn total_energy(model: &(impl DiffusionModel + ?Sized), length: f64) -> f64 {
     energy_between(model, length / REACH, length * REACH)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diffusion::{BetterDipole, Dipole, Fit, HalfSpace, NormalizedDiffusionModel};
+
+    fn check(name: &str, model: &dyn DiffusionModel, beyond: &dyn Fn(f64) -> f64) {
+        let total = model.albedo();
+        assert!((beyond(0.0) / total - 1.0).abs() < 1e-14, "{name}");
+        // The reach leaves out 10⁻¹³ at either end, and a thousand nodes are summed.
+        assert!((total_energy(model, 1.0) / total - 1.0).abs() < 1e-12, "{name}");
+        for (from, to) in [(0.0, 1e-3), (1e-3, 0.1), (0.1, 1.0), (1.0, 30.0)] {
+            let exact = beyond(from) - beyond(to);
+            // The closed forms cancel: a few ulps of the total.
+            let error = energy_between(model, from, to) - exact;
+            assert!(error.abs() < 1e-12 * exact + 1e-15 * total, "{name} {from} {to}: {error}");
+        }
+    }
+
+    #[test]
+    fn closed_forms_are_met() {
+        for (sigma_a, sigma_s, eta) in [(0.1, 0.9, 1.5), (0.0, 1.0, 1.33), (1e-6, 1.0, 1.0), (0.8, 0.2, 0.8)]
+        {
+            let half_space = HalfSpace::new(sigma_a, sigma_s, 0.0, eta).unwrap();
+            let dipole = Dipole::new(&half_space);
+            check("dipole", &dipole, &|radius| dipole.energy_beyond(radius));
+            let better = BetterDipole::new(&half_space);
+            check("better dipole", &better, &|radius| better.energy_beyond(radius));
+        }
+        let normalized = NormalizedDiffusionModel::new(Fit::Searchlight, 0.7, 1.0);
+        check("normalized diffusion", &normalized, &|radius| normalized.energy_beyond(radius));
+    }
+
+    #[test]
+    fn empty_ranges_hold_nothing() {
+        let model = NormalizedDiffusionModel::new(Fit::Searchlight, 0.7, 1.0);
+        assert_eq!(energy_between(&model, 0.0, 0.0), 0.0);
+        assert_eq!(energy_between(&model, 2.0, 2.0), 0.0);
+    }
+}

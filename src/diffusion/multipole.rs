@@ -3,6 +3,7 @@
 
 use std::f64::consts::PI;
 
+use super::mirrored_source::one_minus_exp;
 use super::{BoundaryMoments, DiffusionModel, HalfSpace};
 
 /// A slab with the same boundary on both sides, lit at normal incidence on one.
@@ -148,7 +149,7 @@ impl Multipole {
     fn total(&self, height: f64) -> f64 {
         let (s, period) = (self.sigma_tr, self.period());
         // (1 − e^(−2sx))/s, which tends to 2x.
-        let rise = |x: f64| if s * x > 1e-12 { -(-2.0 * s * x).exp_m1() / s } else { 2.0 * x };
+        let rise = |x: f64| if s > 0.0 { one_minus_exp(2.0 * s * x) / s } else { 2.0 * x };
         let lift = s * self.extrapolation;
         let cosh_and_decay = (s * (height - period) + lift).exp() * 0.5 * (1.0 + (-2.0 * lift).exp());
         self.strength * cosh_and_decay * rise(height) / rise(period)
@@ -163,5 +164,96 @@ impl DiffusionModel for Multipole {
     /// ∫₀^∞ R(r) 2πr dr = α' cosh(σ_tr z_b) sinh(σ_tr(T + z_b − ℓ))/sinh(σ_tr P).
     fn albedo(&self) -> f64 {
         self.total(self.thickness + self.extrapolation - self.depth)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diffusion::Dipole;
+    use crate::diffusion::integrate::total_energy;
+
+    /// Transmittance as a model of its own, to be integrated.
+    struct FarFace(Multipole);
+
+    impl DiffusionModel for FarFace {
+        fn reflectance(&self, radius: f64) -> f64 {
+            self.0.transmittance(radius)
+        }
+
+        fn albedo(&self) -> f64 {
+            self.0.total_transmittance()
+        }
+    }
+
+    fn slab(sigma_a: f64, thickness: f64) -> Multipole {
+        Multipole::new(&HalfSpace::new(sigma_a, 1.0, 0.0, 1.4).unwrap(), thickness).unwrap()
+    }
+
+    #[test]
+    fn closed_totals_are_the_integrals() {
+        for (sigma_a, thickness) in [(0.0, 1.5), (0.0, 20.0), (1e-9, 3.0), (0.01, 5.0), (0.5, 4.0)] {
+            let slab = slab(sigma_a, thickness);
+            for model in [&slab as &dyn DiffusionModel, &FarFace(slab)] {
+                // The truncation of the sum, 10⁻¹²/P², over a disk of eleven periods.
+                let error = total_energy(model, 1.0) - model.albedo();
+                assert!(error.abs() < 4e-10, "{sigma_a} {thickness}: {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn without_absorption_what_does_not_return_passes() {
+        for thickness in [1.1, 4.0, 1000.0] {
+            for sigma_a in [0.0, 1e-30] {
+                let slab = slab(sigma_a, thickness);
+                // A dozen roundings; an absorption of 10⁻³⁰ over 10⁶ scatterings cannot be seen.
+                let sum = slab.albedo() + slab.total_transmittance();
+                assert!((sum - 1.0).abs() < 12.0 * f64::EPSILON, "{thickness}: {sum}");
+            }
+        }
+    }
+
+    #[test]
+    fn truncated_sum_is_the_long_one() {
+        for (sigma_a, thickness) in [(0.0, 1.5), (1e-5, 3.0), (0.05, 2.0)] {
+            let slab = slab(sigma_a, thickness);
+            let period = slab.period();
+            let source = slab.depth;
+            let mirrored = source + 2.0 * slab.extrapolation;
+            for radius in [0.0, 0.1, 1.0, 2.0 * period] {
+                let long: f64 = (-200_000..=200_000)
+                    .map(|i| {
+                        let center = 2.0 * f64::from(i) * period;
+                        slab.flux(radius, center + source) - slab.flux(radius, center - mirrored)
+                    })
+                    .sum();
+                let long = slab.strength * long / (4.0 * PI);
+                // The long sum itself stops at 200,000 images: their fluxes fall as i⁻³.
+                let error = slab.reflectance(radius) - long;
+                assert!(error.abs() < 2e-12, "{sigma_a} {thickness} {radius}: {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_thick_slab_is_a_half_space() {
+        let half_space = HalfSpace::new(0.1, 1.0, 0.0, 1.4).unwrap();
+        let (slab, dipole) = (Multipole::new(&half_space, 80.0).unwrap(), Dipole::new(&half_space));
+        // e^(−2 σ_tr T) is below 10⁻³⁹.
+        assert!((slab.albedo() / dipole.albedo() - 1.0).abs() < 1e-14);
+        for radius in [0.0, 0.5, 10.0] {
+            assert!((slab.reflectance(radius) / dipole.reflectance(radius) - 1.0).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn slabs_too_thin_for_diffusion_are_refused() {
+        let half_space = HalfSpace::new(0.1, 1.9, 0.0, 1.4).unwrap();
+        for thickness in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(matches!(Multipole::new(&half_space, thickness), Err(MultipoleError::Thickness(_))));
+        }
+        let message = Multipole::new(&half_space, 0.4).unwrap_err().to_string();
+        assert!(message.starts_with("thickness is 0.4 m") && message.contains("0.5 m"), "{message}");
     }
 }

@@ -79,6 +79,9 @@ impl NormalizedDiffusionModel {
 impl DiffusionModel for NormalizedDiffusionModel {
     /// Infinite at r = 0, where the profile has a pole 1/r.
     fn reflectance(&self, radius: f64) -> f64 {
+        if self.albedo == 0.0 {
+            return 0.0;
+        }
         let slow = (-radius / (3.0 * self.d)).exp();
         self.albedo * (slow.powi(3) + slow) / (8.0 * std::f64::consts::PI * self.d * radius)
     }
@@ -197,6 +200,38 @@ mod tests {
                 // Up to rounding of the exponent.
                 assert!(profile.density(bound) <= ratio * profile.density(radius) * 1.0001);
             }
+        }
+    }
+
+    #[test]
+    fn double_precision_is_the_same_profile() {
+        let albedo = 0.6_f32;
+        let single = NormalizedDiffusion::from_albedo(albedo, 0.003);
+        let double = NormalizedDiffusionModel { albedo: f64::from(albedo), d: f64::from(single.d) };
+        for r in [1e-5_f32, 1e-3, 0.01] {
+            let expected = double.reflectance(f64::from(r)) / f64::from(albedo);
+            // e^−x in single precision to x/2 ulps and its cube, for x up to 3.
+            assert!((f64::from(single.density(r)) / expected - 1.0).abs() < 1e-6, "{r}");
+            let cumulative = 1.0 - double.energy_beyond(f64::from(r)) / f64::from(albedo);
+            assert!((f64::from(single.cumulative(r)) / cumulative - 1.0).abs() < 1e-6, "{r}");
+        }
+    }
+
+    #[test]
+    fn light_through_a_thickness_is_the_integral_over_the_far_side() {
+        let model = NormalizedDiffusionModel::new(Fit::DiffuseMeanFreePath, 0.7, 1.0);
+        let rule = GaussLegendre::new(32);
+        for thickness in [0.05, 0.3, 1.0] {
+            let through: f64 = (-12..6)
+                .map(|i| {
+                    rule.integrate(f64::from(i), f64::from(i + 1), |log_radius| {
+                        let radius = log_radius.exp();
+                        model.reflectance(radius.hypot(thickness)) * std::f64::consts::TAU * radius * radius
+                    })
+                })
+                .sum();
+            // Radii below e^−12 hold about r²/t² of it.
+            assert!((through / model.energy_beyond(thickness) - 1.0).abs() < 1e-7, "{thickness}");
         }
     }
 }

@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::LazyLock;
 
 use super::integrate::total_energy;
-use super::mirrored_source::MirroredSource;
+use super::mirrored_source::{MirroredSource, one_minus_exp};
 use super::{DiffusionModel, HalfSpace};
 use crate::math::quadrature::GaussLegendre;
 use crate::optics::fresnel::Interface;
@@ -46,10 +46,13 @@ impl DiffusionModel for PhotonBeam {
 /// Attenuation at which the beam is cut: e^−40 is 4·10⁻¹⁸.
 const OPTICAL_REACH: f64 = 40.0;
 
-/// Nodes on each half of the beam. Against four times as many, the worst relative error measured is
-/// given by `quadrature_error_is_as_stated`.
-const MULTIPLE_NODES: usize = 20;
-const SINGLE_NODES: usize = 32;
+/// Nodes on each half of the beam: relative error below 3·10⁻⁸ from 10⁻³ to 100 mean free paths, 2·10⁻⁵
+/// down to 10⁻⁸.
+const MULTIPLE_NODES: usize = 14;
+
+/// Nodes along the beam: relative error below 2·10⁻⁸ from 10⁻³ to 100 mean free paths for |g| ≤ ½, 4·10⁻⁶
+/// at g = −0.9, where light scattered back peaks at the normal.
+const SINGLE_NODES: usize = 24;
 
 /// Multiple scattering: the beam as a line of mirrored sources of strength α'² σ_t' e^(−σ_t' t), with
 /// Habel's correction κ = 1 − e^(−2σ_t'(d_r + t)) for points near the beam.
@@ -82,9 +85,8 @@ impl BeamMultipleScattering {
             let grown = radius * u.exp();
             let shrunk = radius * radius / grown;
             let (depth, distance) = (0.5 * (grown - shrunk), 0.5 * (grown + shrunk));
-            let correction = -(-2.0 * self.sigma_t * grown).exp_m1();
-            let attenuation = (-self.sigma_t * depth).exp();
-            correction * attenuation * distance * self.source.exitance_at_distance(distance, depth)
+            let correction = one_minus_exp(2.0 * self.sigma_t * grown);
+            correction * distance * self.source.attenuated_exitance(distance, depth, self.sigma_t * depth)
         };
         let end = (OPTICAL_REACH / (self.sigma_t * radius)).asinh();
         // The integrand changes at depth r, u ≈ 1, and at the mean free path, u ≈ −ln(σ_t' r).
@@ -182,7 +184,111 @@ impl DiffusionModel for BeamSingleScattering {
 /// Henyey–Greenstein's phase function at cosine −`cos`, 1/sr: (1 − g²)/(4π (1 + g² + 2g cos)^(3/2)),
 /// the base written so that nothing cancels as |g| → 1.
 fn backward_phase(g: f64, cos: f64) -> f64 {
-    let base =
-        if g < 0.0 { (1.0 + g).powi(2) - 2.0 * g * (1.0 - cos) } else { 1.0 + g * g + 2.0 * g * cos };
+    let base = if g < 0.0 { (1.0 + g).powi(2) - 2.0 * g * (1.0 - cos) } else { 1.0 + g * g + 2.0 * g * cos };
     (1.0 - g) * (1.0 + g) / (4.0 * PI * base * base.sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diffusion::integrate::energy_between;
+
+    fn media() -> [HalfSpace; 6] {
+        [
+            HalfSpace::new(0.1, 0.9, 0.0, 1.5),
+            HalfSpace::new(0.0, 1.0, 0.0, 1.33),
+            HalfSpace::new(0.5, 0.5, 0.0, 1.0),
+            HalfSpace::new(1e-3, 1.0, 0.0, 1.001),
+            HalfSpace::new(0.1, 0.9, 0.5, 0.75),
+            HalfSpace::new(0.1, 0.5, -0.9, 1.33),
+        ]
+        .map(Result::unwrap)
+    }
+
+    #[test]
+    fn quadrature_error_is_as_stated() {
+        let fine = GaussLegendre::new(200);
+        for half_space in media() {
+            let PhotonBeam { multiple, single } = PhotonBeam::new(&half_space);
+            let single_bound = if half_space.g < -0.5 { 4e-6 } else { 2e-8 };
+            for i in -80..=20 {
+                let radius = 10.0_f64.powf(0.1 * f64::from(i));
+                let multiple_error = multiple.reflectance(radius) / multiple.integrate(radius, &fine) - 1.0;
+                let single_error = single.reflectance(radius) / single.integrate(radius, &fine) - 1.0;
+                let near = i < -30;
+                assert!(multiple_error.abs() < if near { 2e-5 } else { 3e-8 }, "{half_space:?} {radius}");
+                assert!(near || single_error.abs() < single_bound, "{half_space:?} {radius}: {single_error}");
+            }
+        }
+    }
+
+    #[test]
+    fn single_scattering_adds_up_to_its_closed_form() {
+        for half_space in media() {
+            let single = BeamSingleScattering::new(&half_space);
+            let sum = total_energy(&single, 1.0 / half_space.sigma_t());
+            // The error per radius; below 10⁻³ mean free paths lies a thousandth of the energy.
+            let tolerance = if half_space.g < -0.5 { 1e-5 } else { 1e-8 };
+            assert!((sum / single.albedo() - 1.0).abs() < tolerance, "{half_space:?}: {sum}");
+        }
+    }
+
+    /// The same double integral in the other order and in other variables: depth outside, and inside
+    /// the distance d to the source, r dr = d dd.
+    #[test]
+    fn multiple_scattering_adds_up_in_either_order() {
+        let half_space = HalfSpace::new(0.1, 0.9, 0.0, 1.5).unwrap();
+        let multiple = BeamMultipleScattering::new(&half_space);
+        let rule = GaussLegendre::new(16);
+        // Panels of one e-fold in the depth and in the distance beyond it.
+        let panels = |from: i32, to: i32, f: &dyn Fn(f64) -> f64| -> f64 {
+            (from..to)
+                .map(|i| {
+                    rule.integrate(f64::from(i), f64::from(i + 1), |log| {
+                        let x = log.exp();
+                        x * f(x)
+                    })
+                })
+                .sum()
+        };
+        let by_depth = panels(-24, 4, &|t| {
+            let inner = panels(-30, 6, &|beyond| {
+                let distance = t + beyond;
+                let kappa = 1.0 - (-2.0 * multiple.sigma_t * (distance + t)).exp();
+                let radius = (beyond * (distance + t)).sqrt();
+                TAU * distance * kappa * multiple.source.exitance(radius, t)
+            });
+            multiple.strength * (-multiple.sigma_t * t).exp() * inner
+        });
+        // What lies above e^−24 of a mean free path, and the error per radius.
+        assert!((by_depth / multiple.albedo() - 1.0).abs() < 3e-8, "{by_depth} {}", multiple.albedo());
+    }
+
+    #[test]
+    fn matched_isotropic_single_scattering_is_known() {
+        // 2π (ω/4π) ∫ μ/(1 + μ) dμ = ω (1 − ln 2)/2.
+        let half_space = HalfSpace::new(0.1, 0.9, 0.0, 1.0).unwrap();
+        let exact = 0.45 * (1.0 - std::f64::consts::LN_2);
+        assert!((BeamSingleScattering::new(&half_space).albedo() / exact - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn index_one_is_no_step() {
+        let at = |eta: f64| PhotonBeam::new(&HalfSpace::new(0.1, 0.9, 0.0, eta).unwrap());
+        for radius in [0.01, 1.0, 10.0] {
+            let matched = at(1.0).reflectance(radius);
+            for eta in [1.0 - 1e-9, 1.0 + 1e-9] {
+                // Fresnel's reflectance is felt below a cosine of about √(2·10⁻⁹).
+                assert!((at(eta).reflectance(radius) / matched - 1.0).abs() < 1e-7, "{eta} {radius}");
+            }
+        }
+    }
+
+    #[test]
+    fn energy_falls_off_with_radius() {
+        let model = PhotonBeam::new(&media()[4]);
+        let inner = energy_between(&model, 0.0, 1.0);
+        let outer = energy_between(&model, 1.0, 1e4);
+        assert!((inner + outer - model.albedo()).abs() < 1e-7 * model.albedo());
+    }
 }
