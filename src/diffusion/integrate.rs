@@ -10,14 +10,14 @@ use crate::math::quadrature::GaussLegendre;
 /// at most a pole 1/r and falls at least as 1/r³ in the end, so that less than 10⁻¹² of the energy is left.
 const REACH: f64 = 1e13;
 
-/// ∫ R(r) 2πr dr over radii from `from` to `to`, m; both finite, 0 ≤ `from` ≤ `to`.
+/// ∫ R(r) 2πr dr over radii from `from` to `to`, m; both finite, 0 ≤ `from` ≤ `to`; 0 if the range is empty.
 ///
 /// Gauss–Legendre of 16 nodes in ln r on panels of at most one e-fold: power laws and exponentials are
 /// integrated to about 10⁻¹⁴. From 0, the integral starts at 10⁻¹³ of `to`.
 pub fn energy_between(model: &(impl DiffusionModel + ?Sized), from: f64, to: f64) -> f64 {
     static RULE: LazyLock<GaussLegendre> = LazyLock::new(|| GaussLegendre::new(16));
     let from = if from > 0.0 { from } else { to / REACH };
-    if !(to > from) {
+    if from >= to || to.is_nan() {
         return 0.0;
     }
     let (start, end) = (from.ln(), to.ln());
