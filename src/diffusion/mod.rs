@@ -11,6 +11,7 @@ pub mod model_kind;
 pub mod multipole;
 pub mod normalized_diffusion;
 pub mod photon_beam;
+pub mod shape;
 
 pub use better_dipole::BetterDipole;
 pub use boundary_moments::BoundaryMoments;
@@ -22,6 +23,7 @@ pub use model_kind::ModelKind;
 pub use multipole::{Multipole, MultipoleError};
 pub use normalized_diffusion::{Fit, NormalizedDiffusion, NormalizedDiffusionModel};
 pub use photon_beam::PhotonBeam;
+pub use shape::{Shape, ShapeTable};
 
 /// A radially symmetric diffusion profile R(r) of unit energy, ∫₀^∞ R(r) 2πr dr = 1: the planar
 /// albedo multiplies it. R falls strictly with r.

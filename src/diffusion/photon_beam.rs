@@ -5,7 +5,7 @@
 //! once is exact. Integrals along the beam are by Gauss–Legendre: the result has no noise. Energy is
 //! not conserved: the two parts together exceed 1 by up to 6 % for η = 1 and α' → 1.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
 use super::integrate::total_energy;
@@ -13,6 +13,7 @@ use super::mirrored_source::{MirroredSource, one_minus_exp};
 use super::{DiffusionModel, HalfSpace};
 use crate::math::quadrature::GaussLegendre;
 use crate::optics::fresnel::Interface;
+use crate::optics::phase::HenyeyGreenstein;
 
 /// The whole model: multiple plus single scattering.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -152,7 +153,7 @@ impl BeamSingleScattering {
     /// Share per solid angle of light scattered up at `cos` to the normal that leaves, times `cos`.
     fn towards_boundary(&self, cos: f64) -> f64 {
         let transmittance = Interface::new(cos, 1.0 / self.half_space.eta).transmittance;
-        backward_phase(self.half_space.g, cos) * transmittance * cos
+        HenyeyGreenstein { g: self.half_space.g }.density(-cos) * transmittance * cos
     }
 }
 
@@ -179,13 +180,6 @@ impl DiffusionModel for BeamSingleScattering {
         });
         TAU * self.half_space.sigma_s / self.half_space.sigma_t() * integral
     }
-}
-
-/// Henyey–Greenstein's phase function at cosine −`cos`, 1/sr: (1 − g²)/(4π (1 + g² + 2g cos)^(3/2)),
-/// the base written so that nothing cancels as |g| → 1.
-fn backward_phase(g: f64, cos: f64) -> f64 {
-    let base = if g < 0.0 { (1.0 + g).powi(2) - 2.0 * g * (1.0 - cos) } else { 1.0 + g * g + 2.0 * g * cos };
-    (1.0 - g) * (1.0 + g) / (4.0 * PI * base * base.sqrt())
 }
 
 #[cfg(test)]
