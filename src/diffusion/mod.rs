@@ -1,10 +1,29 @@
 //! Diffusion profiles: how far along the surface light spreads under it. One file a model.
 
+pub mod better_dipole;
+pub mod boundary_moments;
+pub mod dipole;
+pub mod directional_dipole;
+pub mod half_space;
+pub mod integrate;
+pub mod mirrored_source;
+pub mod model_kind;
+pub mod multipole;
 pub mod normalized_diffusion;
+pub mod photon_beam;
 pub mod shape;
 pub mod tabulated;
 
-pub use normalized_diffusion::NormalizedDiffusion;
+pub use better_dipole::BetterDipole;
+pub use boundary_moments::BoundaryMoments;
+pub use dipole::Dipole;
+pub use directional_dipole::{DirectionalDipole, UniformlyLitDirectionalDipole};
+pub use half_space::{HalfSpace, HalfSpaceError};
+pub use mirrored_source::MirroredSource;
+pub use model_kind::ModelKind;
+pub use multipole::{Multipole, MultipoleError};
+pub use normalized_diffusion::{Fit, NormalizedDiffusion, NormalizedDiffusionModel};
+pub use photon_beam::PhotonBeam;
 pub use shape::{Shape, ShapeTable};
 
 /// A radially symmetric diffusion profile R(r) of unit energy, ∫₀^∞ R(r) 2πr dr = 1: the planar

@@ -6,7 +6,35 @@
 
 use std::f32::consts::PI;
 
-use super::Profile;
+use super::{DiffusionModel, Profile};
+
+/// The paper's three fits of the shape parameter d = ℓ/s(A) to Monte Carlo of an index-matched,
+/// isotropically scattering half-space of albedo A. They differ in how light enters and in the length ℓ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fit {
+    /// A beam at normal incidence; ℓ is the mean free path 1/σ_t' (equation 5).
+    Searchlight,
+    /// Diffuse transmission into the surface; ℓ is the mean free path 1/σ_t' (equation 6).
+    DiffuseTransmission,
+    /// ℓ is the diffuse mean free path on the surface, about 1/σ_tr (equation 8).
+    DiffuseMeanFreePath,
+}
+
+impl Fit {
+    /// s at albedo `albedo` in [0, 1].
+    pub fn scale(self, albedo: f64) -> f64 {
+        match self {
+            Self::Searchlight => 1.85 - albedo + 7.0 * (albedo - 0.8).abs().powi(3),
+            Self::DiffuseTransmission => 1.9 - albedo + 3.5 * (albedo - 0.8).powi(2),
+            Self::DiffuseMeanFreePath => 3.5 + 100.0 * (albedo - 0.33).powi(4),
+        }
+    }
+
+    /// d = ℓ/s, in the unit of `length`.
+    pub fn shape_parameter(self, albedo: f64, length: f64) -> f64 {
+        length / self.scale(albedo)
+    }
+}
 
 /// The profile with shape parameter d.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,11 +45,49 @@ pub struct NormalizedDiffusion {
 
 impl NormalizedDiffusion {
     /// The profile of a medium with mean free path `mean_free_path` (1/σ_t', m) that reflects the
-    /// share `albedo` of uniform light behind an index-matched boundary: d = ℓ/s with
-    /// s = 1.9 − A + 3.5 (A − 0.8)² (equation 6 of the paper, diffuse transmission into the surface).
+    /// share `albedo` of uniform light behind an index-matched boundary ([`Fit::DiffuseTransmission`]).
     pub fn from_albedo(albedo: f32, mean_free_path: f32) -> Self {
-        let offset = albedo - 0.8;
-        Self { d: mean_free_path / (1.9 - albedo + 3.5 * offset * offset) }
+        let d = Fit::DiffuseTransmission.shape_parameter(f64::from(albedo), f64::from(mean_free_path));
+        Self { d: d as f32 }
+    }
+}
+
+/// Normalized diffusion times the albedo, in double precision: R_d as a [`DiffusionModel`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NormalizedDiffusionModel {
+    albedo: f64,
+    /// Shape parameter d, m.
+    d: f64,
+}
+
+impl NormalizedDiffusionModel {
+    /// The model of total albedo `albedo` in [0, 1], with d by `fit` for its `length`, m.
+    pub fn new(fit: Fit, albedo: f64, length: f64) -> Self {
+        Self { albedo, d: fit.shape_parameter(albedo, length) }
+    }
+
+    /// Energy farther than `radius`, A (e^(−r/d) + 3e^(−r/3d))/4.
+    ///
+    /// It is also the light through a body of thickness t = `radius` if the profile is taken at the
+    /// distance in space, ∫₀^∞ R(√(r² + t²)) 2πr dr, as both integrals are the same.
+    pub fn energy_beyond(&self, radius: f64) -> f64 {
+        let slow = (-radius / (3.0 * self.d)).exp();
+        0.25 * self.albedo * (slow.powi(3) + 3.0 * slow)
+    }
+}
+
+impl DiffusionModel for NormalizedDiffusionModel {
+    /// Infinite at r = 0, where the profile has a pole 1/r.
+    fn reflectance(&self, radius: f64) -> f64 {
+        if self.albedo == 0.0 {
+            return 0.0;
+        }
+        let slow = (-radius / (3.0 * self.d)).exp();
+        self.albedo * (slow.powi(3) + slow) / (8.0 * std::f64::consts::PI * self.d * radius)
+    }
+
+    fn albedo(&self) -> f64 {
+        self.albedo
     }
 }
 
@@ -134,6 +200,38 @@ mod tests {
                 // Up to rounding of the exponent.
                 assert!(profile.density(bound) <= ratio * profile.density(radius) * 1.0001);
             }
+        }
+    }
+
+    #[test]
+    fn double_precision_is_the_same_profile() {
+        let albedo = 0.6_f32;
+        let single = NormalizedDiffusion::from_albedo(albedo, 0.003);
+        let double = NormalizedDiffusionModel { albedo: f64::from(albedo), d: f64::from(single.d) };
+        for r in [1e-5_f32, 1e-3, 0.01] {
+            let expected = double.reflectance(f64::from(r)) / f64::from(albedo);
+            // e^−x in single precision to x/2 ulps and its cube, for x up to 3.
+            assert!((f64::from(single.density(r)) / expected - 1.0).abs() < 1e-6, "{r}");
+            let cumulative = 1.0 - double.energy_beyond(f64::from(r)) / f64::from(albedo);
+            assert!((f64::from(single.cumulative(r)) / cumulative - 1.0).abs() < 1e-6, "{r}");
+        }
+    }
+
+    #[test]
+    fn light_through_a_thickness_is_the_integral_over_the_far_side() {
+        let model = NormalizedDiffusionModel::new(Fit::DiffuseMeanFreePath, 0.7, 1.0);
+        let rule = GaussLegendre::new(32);
+        for thickness in [0.05, 0.3, 1.0] {
+            let through: f64 = (-12..6)
+                .map(|i| {
+                    rule.integrate(f64::from(i), f64::from(i + 1), |log_radius| {
+                        let radius = log_radius.exp();
+                        model.reflectance(radius.hypot(thickness)) * std::f64::consts::TAU * radius * radius
+                    })
+                })
+                .sum();
+            // Radii below e^−12 hold about r²/t² of it.
+            assert!((through / model.energy_beyond(thickness) - 1.0).abs() < 1e-7, "{thickness}");
         }
     }
 }
