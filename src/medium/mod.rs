@@ -1,9 +1,16 @@
 //! What is inside a translucent body: coefficients, measured materials, similarity, and the albedo of a
 //! thick flat piece of it.
 
+pub mod albedo_inversion;
 pub mod coefficients;
-pub mod halfspace;
+mod discrete_ordinates;
+pub mod entry;
+pub mod planar_albedo;
+pub mod plane_parallel;
 pub mod presets;
 
+pub use albedo_inversion::AlbedoInversion;
 pub use coefficients::Medium;
-pub use halfspace::PlanarAlbedo;
+pub use entry::Entry;
+pub use planar_albedo::PlanarAlbedo;
+pub use plane_parallel::PlaneParallel;
