@@ -24,6 +24,10 @@ const LEAST_ABSORBED_SHARE: f64 = 1e-24;
 /// Iterations for all eigenvalues; the solver takes about two for each.
 const EIGENVALUE_ITERATIONS: usize = 10_000;
 
+/// What the eigenvalue solver takes for 0. It compares with the largest element too, which may be 10²⁴
+/// times others that must keep their digits; convergence is cubic, so that a tiny bound costs little.
+const NEGLIGIBLE: f64 = 1e-60;
+
 /// Nodes and the polynomials orthonormal on them.
 #[derive(Clone, Debug)]
 pub(super) struct Ordinates {
@@ -135,7 +139,12 @@ fn eigen(beta: &[f64], loss: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
             _ => 0.0,
         }
     });
-    match SymmetricEigen::try_new(square, f64::EPSILON, EIGENVALUE_ITERATIONS) {
+    let decomposition = if square.iter().all(|x| x.is_finite()) {
+        SymmetricEigen::try_new(square, NEGLIGIBLE, EIGENVALUE_ITERATIONS)
+    } else {
+        None
+    };
+    match decomposition {
         // Rounding may leave the least of them, of directions along the surface, below 0.
         Some(eigen) => (eigen.eigenvalues.map(|x| x.max(f64::EPSILON * f64::EPSILON)), eigen.eigenvectors),
         None => (DVector::from_element(n, f64::NAN), DMatrix::from_element(n, n, f64::NAN)),

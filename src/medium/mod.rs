@@ -1,5 +1,5 @@
-//! What is inside a translucent body: coefficients, measured materials, similarity, and the albedo of a
-//! thick flat piece of it.
+//! What is inside a translucent body: coefficients, measured materials, similarity, and exact transport
+//! in flat pieces of it.
 
 pub mod albedo_inversion;
 pub mod coefficients;

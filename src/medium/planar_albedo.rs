@@ -55,24 +55,38 @@ mod tests {
     use super::*;
 
     #[test]
-    fn probe() {
-        for eta in [0.5, 0.75, 1.0, 1.33, 1.5, 2.0, 3.0] {
-            for g in [-0.9, -0.5, 0.0, 0.5, 0.8, 0.9, 0.95] {
-                let start = std::time::Instant::now();
+    fn the_table_is_right_between_its_nodes() {
+        for eta in [0.5, 1.0, 1.33, 2.0, 3.0] {
+            for g in [-0.9, 0.0, 0.5, 0.8, 0.95] {
                 let table = PlanarAlbedo::new(eta, g);
-                let t0 = start.elapsed();
                 let exact = AlbedoInversion::new(f64::from(eta), f64::from(g), Entry::Diffuse);
-                let mut worst = (0.0_f32, 0.0);
-                let n = 203;
-                for i in 0..=n {
-                    let x = exact.scale().reduced_share(i as f64 / n as f64) as f32;
-                    let e = exact.albedo(unreduced_share(f64::from(x), f64::from(g))) as f32;
-                    let err = (table.albedo(x) - e).abs();
-                    if err > worst.0 {
-                        worst = (err, i as f64 / n as f64);
-                    }
+                assert_eq!(table.albedo(0.0), 1.0);
+                // 67 steps share no node but the ends with the table's 128.
+                for i in 0..=67 {
+                    let reduced = exact.scale().reduced_share(f64::from(i) / 67.0) as f32;
+                    let albedo = exact.albedo(unreduced_share(f64::from(reduced), f64::from(g)));
+                    let error = (f64::from(table.albedo(reduced)) - albedo).abs();
+                    assert!(error < 1e-4, "eta {eta} g {g} share {reduced}: {error:e}");
                 }
-                println!("{eta} {g}: {t0:?} worst {worst:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_table_falls_and_is_inverted() {
+        for (eta, g) in [(0.75, 0.0), (1.0, 0.9), (1.5, 0.0), (3.0, 0.8), (1.5, 0.999), (1.5, -0.99)] {
+            let table = PlanarAlbedo::new(eta, g);
+            assert_eq!((table.absorbed_share(1.0), table.absorbed_share(0.0)), (0.0, 1.0));
+            let mut above = 0.0;
+            for i in 1..1000 {
+                let albedo = 1.0 - i as f32 / 1000.0;
+                let share = table.absorbed_share(albedo);
+                assert!(share > above && share < 1.0, "eta {eta} g {g} albedo {albedo}: {share}");
+                above = share;
+                // Near black the albedo is (1 − share) times up to η² κ/(1 − g), and 1 − share has
+                // the digits of numbers near 1.
+                let error = (table.albedo(share) - albedo).abs();
+                assert!(error < 1e-5, "eta {eta} g {g} albedo {albedo}: {error:e}");
             }
         }
     }

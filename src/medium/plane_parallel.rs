@@ -30,7 +30,7 @@ pub struct PlaneParallel {
 impl PlaneParallel {
     /// For relative index `eta` = n_inside/n_outside > 0 and mean cosine `g` in (−1, 1).
     ///
-    /// Results are good to 10⁻⁶ for |g| ≤ 0.75 and 10⁻⁵ for |g| ≤ 0.9.
+    /// Results are good to 10⁻⁶ for |g| ≤ 0.75, 10⁻⁵ for |g| ≤ 0.9 and 10⁻⁴ for g = 0.95.
     pub fn new(eta: f64, g: f64) -> Self {
         Self::with_nodes(eta, g, NODES[usize::from(g.abs() > BROAD)])
     }
@@ -103,8 +103,7 @@ impl Field {
         Self { mirror, thickness, amplitude, net_flux }
     }
 
-    /// Radiance up just below the upper surface at cosine `mu`, and the share that `boundary`, for light
-    /// from inside at that cosine, lets in and back.
+    /// Radiance up just below the upper surface at cosine `mu`, where `boundary` reflects and transmits.
     fn upward(&self, modes: &Modes, mu: f64, boundary: &Interface) -> f64 {
         let legendre = orthonormal_legendre(modes.loss.len(), mu);
         let n = modes.rate.len();
@@ -204,7 +203,7 @@ impl HalfSpace<'_> {
     /// reflection included.
     pub fn reflectance_at(&self, cos_outside: f64) -> f64 {
         let refracted = Interface::new(cos_outside, self.layer.eta);
-        refracted.reflectance + refracted.transmittance * self.albedo_at(cos_outside)
+        1.0 - refracted.transmittance * (1.0 - self.albedo_at(cos_outside))
     }
 
     /// Share absorbed of the flux that entered from all sides.
@@ -244,5 +243,83 @@ impl Slab<'_> {
         let (sum, difference) = (upward(&self.symmetric), upward(&self.antisymmetric));
         let reflected = refracted.reflectance + 0.5 * refracted.transmittance * (sum + difference);
         (reflected, 0.5 * refracted.transmittance * (sum - difference))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The results change by no more than the accuracy stated with many more nodes.
+    #[test]
+    fn the_quadrature_has_converged() {
+        for eta in [0.5, 0.99, 1.0, 1.0001, 1.01, 1.05, 1.33, 1.5, 2.0, 3.0] {
+            for (g, accuracy) in [(-0.9, 1e-5), (-0.75, 1e-6), (0.75, 1e-6), (0.9, 1e-5), (0.95, 1e-4)] {
+                let [layer, fine] = [PlaneParallel::new(eta, g), PlaneParallel::with_nodes(eta, g, 140)];
+                for share in [1e-3, 0.1] {
+                    let [ours, exact] = [&layer, &fine].map(|layer| {
+                        let half_space = layer.half_space(share);
+                        let beam = |mu| half_space.reflectance_at(mu);
+                        [half_space.reflectance(Entry::Diffuse), beam(1.0), beam(0.5), beam(0.1)]
+                    });
+                    for (a, b) in ours.into_iter().zip(exact) {
+                        let difference = (a - b).abs();
+                        assert!(difference < accuracy, "eta {eta} g {g} share {share}: {difference:e}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn zz_probe() {
+        use crate::medium::PlanarAlbedo;
+        use std::hint::black_box;
+        use std::time::Instant;
+        for (eta, g) in [(1.0, 0.0), (1.5, 0.0), (1.5, 0.9)] {
+            let t = Instant::now();
+            for _ in 0..20 { black_box(PlaneParallel::new(eta, g)); }
+            println!("{eta} {g} new {:?}", t.elapsed() / 20);
+            let l = PlaneParallel::new(eta, g);
+            let t = Instant::now();
+            for i in 0..50 { black_box(l.half_space(0.02 * f64::from(i))); }
+            println!("half_space {:?}", t.elapsed() / 50);
+            let h = l.half_space(0.02);
+            let t = Instant::now();
+            for _ in 0..50 { black_box(h.albedo_at(black_box(0.3))); }
+            println!("albedo_at {:?}", t.elapsed() / 50);
+            let t = Instant::now();
+            for i in 0..50 { black_box(l.slab(0.02 * f64::from(i), 1.0)); }
+            println!("slab {:?}", t.elapsed() / 50);
+            let inv = crate::medium::AlbedoInversion::new(eta, g, Entry::Diffuse);
+            let t = Instant::now();
+            for i in 1..20 { black_box(inv.absorbed_share(0.05 * f64::from(i))); }
+            println!("absorbed_share {:?}", t.elapsed() / 19);
+            let t = Instant::now();
+            for _ in 0..5 { black_box(PlanarAlbedo::new(eta as f32, g as f32)); }
+            println!("table {:?}", t.elapsed() / 5);
+            let table = PlanarAlbedo::new(eta as f32, g as f32);
+            let t = Instant::now();
+            for i in 0..10000 { black_box(table.albedo(black_box(i as f32 * 1e-4))); }
+            println!("albedo {:?}", t.elapsed() / 10000);
+            let t = Instant::now();
+            for i in 0..10000 { black_box(table.absorbed_share(black_box(i as f32 * 1e-4))); }
+            println!("inverse {:?}", t.elapsed() / 10000);
+        }
+        for eta in [0.5, 0.99, 1.0, 1.0001, 1.01, 1.05, 1.33, 1.5, 2.0, 3.0] {
+            for g in [-0.9, -0.75, 0.75, 0.9, 0.95] {
+                let [layer, fine] = [PlaneParallel::new(eta, g), PlaneParallel::with_nodes(eta, g, 140)];
+                let mut worst = [0.0_f64; 4];
+                for share in [1e-3, 0.1] {
+                    let [ours, exact] = [&layer, &fine].map(|layer| {
+                        let half_space = layer.half_space(share);
+                        let beam = |mu| half_space.reflectance_at(mu);
+                        [half_space.reflectance(Entry::Diffuse), beam(1.0), beam(0.5), beam(0.1)]
+                    });
+                    for i in 0..4 { worst[i] = worst[i].max((ours[i]-exact[i]).abs()); }
+                }
+                println!("{eta} {g} {:?}", worst.map(|x| format!("{x:.0e}")));
+            }
+        }
     }
 }
