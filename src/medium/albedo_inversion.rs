@@ -38,7 +38,7 @@ impl AlbedoInversion {
     /// On quadrature nodes chosen by the caller.
     pub(super) fn of(layer: PlaneParallel, g: f64, entry: Entry) -> Self {
         let mut inversion = Self { layer, g, entry, scale: LossScale { slope: 1.0 } };
-        // There 1 − albedo is its tangent in √x to 10⁻⁵ of itself.
+        // There 1 − albedo is its tangent in √x to 10⁻³ of itself or better.
         const NEARLY_WHITE: f64 = 1e-10;
         let loss = 1.0 - inversion.albedo(unreduced_share(NEARLY_WHITE, g));
         inversion.scale.slope = loss / NEARLY_WHITE.sqrt();
