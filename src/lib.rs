@@ -15,4 +15,5 @@ pub mod optics;
 pub mod radiometry;
 pub mod raycast;
 pub mod scene;
+pub mod slab;
 pub mod transport;

@@ -1,8 +1,10 @@
 //! Diffusion profiles: how far along the surface light spreads under it. One file a model.
 
 pub mod normalized_diffusion;
+pub mod shape;
 
 pub use normalized_diffusion::NormalizedDiffusion;
+pub use shape::{Shape, ShapeTable};
 
 /// A radially symmetric diffusion profile R(r) of unit energy, ∫₀^∞ R(r) 2πr dr = 1: the planar
 /// albedo multiplies it. R falls strictly with r.

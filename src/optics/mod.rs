@@ -12,6 +12,7 @@ pub mod fresnel;
 pub mod metal;
 pub mod metallic_roughness;
 pub mod microfacet;
+pub mod phase;
 pub mod plastic;
 
 pub use boundary::{Boundary, ReflectionSample};
