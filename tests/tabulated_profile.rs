@@ -55,7 +55,20 @@ fn truth(half_space: &HalfSpace, shares: &[f64], photons: u64) -> Vec<Vec<Estima
 fn table_follows_monte_carlo_between_its_nodes() {
     assert_eq!(RINGS_PER_DECADE, 24);
     for entry in [Entry::Normal, Entry::Diffuse] {
-        for (eta, g) in [(0.7, 0.0), (0.9, 0.0), (1.0, 0.0), (1.03, 0.0), (1.1, 0.0), (1.33, 0.0), (1.5, 0.0), (1.8, 0.0), (1.4, 0.2), (1.4,0.56), (1.4,0.75),(1.4,0.87)] {
+        for (eta, g) in [
+            (0.7, 0.0),
+            (0.9, 0.0),
+            (1.0, 0.0),
+            (1.03, 0.0),
+            (1.1, 0.0),
+            (1.33, 0.0),
+            (1.5, 0.0),
+            (1.8, 0.0),
+            (1.4, 0.2),
+            (1.4, 0.56),
+            (1.4, 0.75),
+            (1.4, 0.87),
+        ] {
             let half_space = HalfSpace { entry, eta, g };
             let reduced = [3e-5, 2e-4, 0.001, 0.01, 0.05, 0.1, 0.3, 0.5, 0.8, 0.93, 0.99];
             let shares = reduced.map(|a: f64| a * (1.0 - g) / (1.0 - g * a));

@@ -5,10 +5,10 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use alabaster::slab::white::{RINGS, WhiteTally, white_walk};
-use alabaster::slab::{Estimate, Source, estimate};
 use alabaster::diffusion::tabulated::{ROWS, absorbed_share_of_row};
 use alabaster::medium::Entry;
+use alabaster::slab::white::{RINGS, WhiteTally, white_walk};
+use alabaster::slab::{Estimate, Source, estimate};
 
 /// A node of the table: one walk.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -30,11 +30,53 @@ impl MonotoneCubic {
         let intervals = self.nodes.len() - 1;
         let position = x.clamp(0.0, 1.0) * intervals as f32;
         let i = (position as usize).min(intervals - 1);
-        let t = position - i as f32;
+        self.within(i, position - i as f32)[0]
+    }
+
+    /// The `x` in [0, 1] at which rising data come nearest to `value`: the inverse of [`Self::evaluate`].
+    pub fn inverse(&self, value: f32) -> f32 {
+        let intervals = self.nodes.len() - 1;
+        let i = self.nodes.partition_point(|node| node[0] <= value).clamp(1, intervals) - 1;
+        (i as f32 + self.inverse_within(i, value)) / intervals as f32
+    }
+
+    /// Value and slope at the share `t` of the way from node `i` to the next.
+    fn within(&self, i: usize, t: f32) -> [f32; 2] {
         let ([p, dp], [q, dq]) = (self.nodes[i], self.nodes[i + 1]);
         let rise = q - p;
+        let (square, cube) = (3.0 * rise - 2.0 * dp - dq, dp + dq - 2.0 * rise);
         // Hermite form around p: exact at t = 0, and no large terms that cancel.
-        p + t * (dp + t * (3.0 * rise - 2.0 * dp - dq + t * (dp + dq - 2.0 * rise)))
+        [p + t * (dp + t * (square + t * cube)), dp + t * (2.0 * square + 3.0 * t * cube)]
+    }
+
+    /// The share of the way from node `i` to the next at which rising data reach `value`: Newton's
+    /// method, and bisection where that leaves the bracket.
+    fn inverse_within(&self, i: usize, value: f32) -> f32 {
+        let (p, q) = (self.nodes[i][0], self.nodes[i + 1][0]);
+        if value <= p {
+            return 0.0;
+        }
+        if value >= q {
+            return 1.0;
+        }
+        let (mut low, mut high) = (0.0, 1.0);
+        let mut t = (value - p) / (q - p);
+        // Bisection alone would find the last bit in so many steps.
+        for _ in 0..f32::MANTISSA_DIGITS {
+            let [y, slope] = self.within(i, t);
+            if y <= value {
+                low = t;
+            } else {
+                high = t;
+            }
+            let newton = t - (y - value) / slope;
+            let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
+            if (next - t).abs() < f32::EPSILON {
+                break;
+            }
+            t = next;
+        }
+        t
     }
 }
 
@@ -77,5 +119,17 @@ mod tests {
             }
             assert!((table.evaluate(i as f32 / 6.0) - values[i] as f32).abs() <= 4.0 * f32::EPSILON);
         }
+    }
+
+    #[test]
+    fn rising_data_are_inverted() {
+        let table = MonotoneCubic::new(&[0.0, 1e-3, 0.4, 0.5, 0.9, 1.0]);
+        for step in 0..=1000 {
+            let value = step as f32 / 1000.0;
+            // The position is known to 2⁻²³ at most, and no value rises faster than 3·0.4·5.
+            let found = table.evaluate(table.inverse(value));
+            assert!((found - value).abs() <= 6.0 * 2.0 * f32::EPSILON, "{value}: {found}");
+        }
+        assert_eq!((table.inverse(-1.0), table.inverse(2.0)), (0.0, 1.0));
     }
 }

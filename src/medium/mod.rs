@@ -1,11 +1,16 @@
-//! What is inside a translucent body: coefficients, measured materials, similarity, and the albedo of a
-//! thick flat piece of it.
+//! What is inside a translucent body: coefficients, measured materials, similarity, and exact transport
+//! in flat pieces of it.
 
+pub mod albedo_inversion;
 pub mod coefficients;
+mod discrete_ordinates;
 pub mod entry;
-pub mod halfspace;
+pub mod planar_albedo;
+pub mod plane_parallel;
 pub mod presets;
 
+pub use albedo_inversion::AlbedoInversion;
 pub use coefficients::Medium;
 pub use entry::Entry;
-pub use halfspace::PlanarAlbedo;
+pub use planar_albedo::PlanarAlbedo;
+pub use plane_parallel::PlaneParallel;

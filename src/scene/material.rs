@@ -205,3 +205,12 @@ pub enum ScatteringInput {
         g: f32,
     },
 }
+
+impl ScatteringInput {
+    /// Mean cosine of the Henyey–Greenstein phase function.
+    pub fn g(&self) -> f32 {
+        match self {
+            Self::Coefficients { g, .. } | Self::Albedo { g, .. } => *g,
+        }
+    }
+}

@@ -19,7 +19,8 @@ struct Immersed {
 /// A translucent material, for every surrounding that the scene can give it.
 pub struct Scatterer {
     input: ScatteringInput,
-    /// The albedo without a boundary, by which normalized diffusion is parametrised.
+    /// The albedo of isotropic scattering without a boundary, by which normalized diffusion is
+    /// parametrised.
     matched: PlanarAlbedo,
     immersed: Vec<Immersed>,
 }
@@ -52,13 +53,13 @@ impl Scatterer {
             }
         }
         let mut scatterer =
-            Self { input: medium.clone(), matched: PlanarAlbedo::new(1.0), immersed: Vec::new() };
+            Self { input: medium.clone(), matched: PlanarAlbedo::new(1.0, 0.0), immersed: Vec::new() };
         for ior_around in around {
             let eta = ior / ior_around;
             let mut immersed = Immersed {
                 ior_around,
                 boundary: Boundary::new(eta, roughness * roughness),
-                planar: PlanarAlbedo::new(eta),
+                planar: PlanarAlbedo::new(eta, medium.g()),
                 constant: None,
             };
             immersed.constant = scatterer.constant(&immersed);
