@@ -12,9 +12,10 @@ use alabaster::raycast::embree::EmbreeCaster;
 use alabaster::raycast::{Hit, Ray, RayCaster};
 use alabaster::scene::read_scene;
 use alabaster::transport::ProbeCounters;
-use alabaster::transport::area_integral::{AreaIntegral, Channels, Spread};
+use alabaster::transport::area_integral::AreaIntegral;
 use alabaster::transport::light_choice::Receiver;
 use alabaster::transport::light_sampling::LightSampler;
+use alabaster::transport::spread::{Channels, Spread};
 use alabaster::transport::world::{SurfacePoint, World};
 use criterion::Criterion;
 use glam::Vec3;
@@ -76,7 +77,7 @@ fn bench_probe_segments(criterion: &mut Criterion, world: &World<EmbreeCaster>, 
 }
 
 fn bench_area_integral(criterion: &mut Criterion, world: &World<EmbreeCaster>, points: &[SurfacePoint]) {
-    let spread = Spread::new(SWAN_D, world.diameter(0));
+    let spread = Spread::new(SWAN_D.0.map(|d| NormalizedDiffusion { d }), world.diameter(0));
     let mut counters = ProbeCounters::default();
     let mut next = 0;
     criterion.bench_function("area integral, draw of an entry point", |bencher| {
@@ -97,7 +98,7 @@ fn bench_area_integral(criterion: &mut Criterion, world: &World<EmbreeCaster>, p
         });
     });
     criterion.bench_function("spread of a material on a body", |bencher| {
-        bencher.iter(|| Spread::new(black_box(SWAN_D), black_box(0.2)));
+        bencher.iter(|| Spread::new(black_box(SWAN_D).0.map(|d| NormalizedDiffusion { d }), black_box(0.2)));
     });
 }
 

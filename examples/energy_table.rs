@@ -22,7 +22,8 @@ use alabaster::radiometry::Rgb;
 use alabaster::raycast::embree::EmbreeCaster;
 use alabaster::raycast::{Hit, Ray, RayCaster};
 use alabaster::scene::{Scene, read_scene};
-use alabaster::transport::area_integral::{AreaIntegral, Channels, Spread};
+use alabaster::transport::area_integral::AreaIntegral;
+use alabaster::transport::spread::{Channels, Spread};
 use alabaster::transport::world::World;
 use common::bodies;
 use common::scenes::{Statistics, furnace, in_furnace, renderer, white};
@@ -166,12 +167,12 @@ fn planar_energy_at(world: &World<EmbreeCaster>, hit: &Hit, ray: &Ray, sigma_t: 
     let point = world.surface(hit);
     let normal = point.geometric_normal;
     // The profile of a medium without absorption: planar albedo 1, whatever the index.
-    let d = NormalizedDiffusion::from_albedo(1.0, 1.0 / sigma_t).d;
+    let profile = NormalizedDiffusion::from_albedo(1.0, 1.0 / sigma_t);
     let integral = AreaIntegral {
         caster: world.caster(),
         geometric_normal: |hit: &Hit| world.geometric_normal(hit),
         instance: hit.instance,
-        spread: &Spread::new(Rgb::splat(d), world.diameter(hit.instance)),
+        spread: &Spread::new([profile; 3], world.diameter(hit.instance)),
         channels: Channels::of(Rgb::ONE),
         position: point.position,
         position_error: point.error.max_element(),

@@ -10,7 +10,8 @@ use alabaster::radiometry::Rgb;
 use alabaster::raycast::{Geometry, Hit, MeshInstance, TriangleMesh};
 use alabaster::scene::{Mesh, shape};
 use alabaster::transport::ProbeCounters;
-use alabaster::transport::area_integral::{AreaIntegral, Channels, Spread};
+use alabaster::transport::area_integral::AreaIntegral;
+use alabaster::transport::spread::{Channels, Spread};
 use common::scenes::{self, Caster, Statistics, join};
 use glam::{Affine3A, Vec3};
 
@@ -35,7 +36,7 @@ fn integrate(
     f: impl Fn(&Hit) -> f32,
 ) -> [Statistics; 3] {
     let caster = caster(mesh);
-    let spread = Spread::new(d, 1e3);
+    let spread = Spread::new(d.0.map(|d| NormalizedDiffusion { d }), 1e3);
     let integral = AreaIntegral {
         caster: &caster,
         geometric_normal: |hit: &Hit| normal_of(mesh, hit),
@@ -121,7 +122,7 @@ fn entry_points_on_a_plane_follow_the_profile() {
     let plane = shape::quad(Vec3::ZERO, Vec3::Z * 500.0, Vec3::X * 500.0);
     let caster = caster(&plane);
     let d = Rgb::new(0.5, 1.0, 3.0);
-    let spread = Spread::new(d, 1e3);
+    let spread = Spread::new(d.0.map(|d| NormalizedDiffusion { d }), 1e3);
     let integral = AreaIntegral {
         caster: &caster,
         geometric_normal: |hit: &Hit| normal_of(&plane, hit),

@@ -98,7 +98,7 @@ impl From<FilmError> for CliError {
 impl From<RenderError> for CliError {
     fn from(error: RenderError) -> Self {
         match error {
-            RenderError::Unavailable { .. } => Self::input(error),
+            RenderError::Unavailable { .. } | RenderError::Scatterer(_) => Self::input(error),
             RenderError::Raycast(_) => Self::machine(error),
         }
     }

@@ -12,6 +12,7 @@ use super::error::CliError;
 use super::progress::Progress;
 use super::report::{MadeBy, Report};
 use super::stop::Stop;
+use crate::diffusion::ProfileKind;
 use crate::film::accumulator::MAX_SAMPLES;
 use crate::film::exr::Attribute;
 use crate::film::layers::Channel;
@@ -146,13 +147,14 @@ fn options(args: &RenderArgs, scene: &Scene) -> RenderOptions {
     }
 }
 
-/// Backend and method in use: where the scene leaves the method open, the area integral.
-fn made_by(args: &RenderArgs, scene: &Scene) -> MadeBy {
-    let method = match scene.subsurface.method {
+/// Backend, method and profiles in use: where the scene leaves the method open, the area integral.
+fn made_by<C: RayCaster>(args: &RenderArgs, renderer: &Renderer<C>) -> MadeBy {
+    let method = match renderer.scene().subsurface.method {
         Method::Auto => name_of(&Method::NAMES, &Method::Bssrdf),
         chosen => name_of(&Method::NAMES, &chosen),
     };
-    MadeBy { backend: args.backend.name(), method }
+    let profiles = renderer.profiles().into_iter().map(ProfileKind::name).collect();
+    MadeBy { backend: args.backend.name(), method, profiles }
 }
 
 fn limits(args: &RenderArgs, scene: &Scene) -> Limits {
@@ -172,7 +174,7 @@ fn render_and_save<C: RayCaster>(
     let stop = Stop::on_signals()?;
     let limits = limits(args, renderer.scene());
     let (counters, seconds) = render(renderer, &mut film, limits, &stop, args.quiet);
-    let report = Report::new(&film, &counters, seconds, made_by(args, renderer.scene()), &args.output);
+    let report = Report::new(&film, &counters, seconds, made_by(args, renderer), &args.output);
     if report.samples == 0 && stop.interrupted() {
         return Err(CliError::Interrupted("there was nothing to save yet".into()));
     }
@@ -255,6 +257,7 @@ fn attributes(args: &RenderArgs, report: &Report) -> Result<Vec<Attribute>, CliE
         ("alabaster.commandLine", command_line()),
         ("alabaster.scene", file_name(&args.scene)),
         ("alabaster.seed", args.seed.to_string()),
+        ("alabaster.profiles", report.profiles.join(", ")),
         ("alabaster.spp", report.spp.to_string()),
         ("alabaster.seconds", report.seconds.to_string()),
         ("alabaster.nonfinite", report.nonfinite.to_string()),

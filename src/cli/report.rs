@@ -26,6 +26,8 @@ pub struct Report {
     threads: usize,
     backend: &'static str,
     method: &'static str,
+    /// Names of the diffusion profiles in use.
+    pub profiles: Vec<&'static str>,
     /// Samples that were not finite and added nothing.
     pub nonfinite: u64,
     clamped: u64,
@@ -47,12 +49,14 @@ struct Probes {
 }
 
 /// What rendered the picture, by the names that the command line has for it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct MadeBy {
     /// What cast the rays.
     pub backend: &'static str,
     /// How light under the surface was computed.
     pub method: &'static str,
+    /// The diffusion profiles in use.
+    pub profiles: Vec<&'static str>,
 }
 
 impl Report {
@@ -70,6 +74,7 @@ impl Report {
             threads: rayon::current_num_threads(),
             backend: made_by.backend,
             method: made_by.method,
+            profiles: made_by.profiles,
             nonfinite: tally.nonfinite,
             clamped: tally.clamped,
             rejected: counters.rejected,

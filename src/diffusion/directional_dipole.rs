@@ -32,7 +32,11 @@ pub struct DirectionalDipole {
 impl DirectionalDipole {
     /// The directional dipole of `half_space`.
     pub fn new(half_space: &HalfSpace) -> Self {
-        let moments = BoundaryMoments::new(half_space.eta);
+        Self::with_moments(half_space, BoundaryMoments::new(half_space.eta))
+    }
+
+    /// The directional dipole of `half_space`, the `moments` of whose boundary are known.
+    pub(super) fn with_moments(half_space: &HalfSpace, moments: BoundaryMoments) -> Self {
         let diffusion_coefficient = half_space.diffusion_coefficient();
         let extrapolation = 2.131 * diffusion_coefficient / half_space.albedo_reduced().sqrt();
         Self {
@@ -43,6 +47,11 @@ impl DirectionalDipole {
             mirror_height: 2.0 * moments.reflection_parameter() * extrapolation,
             smallest_distance: 1.0 / (3.0 * half_space.sigma_t()),
         }
+    }
+
+    /// σ_tr, 1/m.
+    pub(super) fn sigma_tr(&self) -> f64 {
+        self.sigma_tr
     }
 
     /// S_d, 1/(m² sr), of light that entered along the refracted unit direction `w12` (into the body)

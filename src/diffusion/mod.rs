@@ -2,8 +2,10 @@
 
 pub mod better_dipole;
 pub mod boundary_moments;
+pub mod choice;
 pub mod dipole;
 pub mod directional_dipole;
+pub mod directional_weight;
 pub mod half_space;
 pub mod integrate;
 pub mod mirrored_source;
@@ -12,12 +14,15 @@ pub mod multipole;
 pub mod normalized_diffusion;
 pub mod photon_beam;
 pub mod shape;
+pub mod shape_of_model;
 pub mod tabulated;
 
 pub use better_dipole::BetterDipole;
 pub use boundary_moments::BoundaryMoments;
+pub use choice::ProfileKind;
 pub use dipole::Dipole;
 pub use directional_dipole::{DirectionalDipole, UniformlyLitDirectionalDipole};
+pub use directional_weight::{DirectionalWeight, DirectionalWeightTable};
 pub use half_space::{HalfSpace, HalfSpaceError};
 pub use mirrored_source::MirroredSource;
 pub use model_kind::ModelKind;

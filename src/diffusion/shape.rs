@@ -29,6 +29,28 @@ pub fn knot_radius(i: usize) -> f64 {
     FIRST_KNOT * 10.0_f64.powf(i as f64 / KNOTS_PER_DECADE as f64)
 }
 
+/// Radii of the knots, in reduced mean free paths.
+static KNOT_RADII: [f32; KNOTS] = {
+    // 10^(i/6).
+    let sixths = [
+        1.0,
+        1.467_799_267_622_069_5,
+        2.154_434_690_031_884,
+        3.162_277_660_168_379_5,
+        4.641_588_833_612_779,
+        6.812_920_690_579_611,
+    ];
+    let (mut radii, mut decade, mut i) = ([0.0; KNOTS], FIRST_KNOT, 0);
+    while i < KNOTS {
+        radii[i] = (decade * sixths[i % KNOTS_PER_DECADE]) as f32;
+        i += 1;
+        if i.is_multiple_of(KNOTS_PER_DECADE) {
+            decade *= 10.0;
+        }
+    }
+    radii
+};
+
 /// Value of s at a knot and its slope per knot distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Knot {
@@ -102,12 +124,22 @@ fn slope(s: &[f64; KNOTS], i: usize) -> f64 {
 }
 
 /// One profile: two rows of a table, blended.
+///
+/// Two are equal if they are the same blend of the same rows, at the same scale.
 #[derive(Clone, Copy, Debug)]
 pub struct Shape<'a> {
     rows: [&'a [Knot; KNOTS]; 2],
     fraction: f32,
     mean_free_path: f32,
     inverse: f32,
+}
+
+impl PartialEq for Shape<'_> {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self.rows[0], other.rows[0])
+            && self.fraction == other.fraction
+            && self.mean_free_path == other.mean_free_path
+    }
 }
 
 impl Shape<'_> {
@@ -119,9 +151,14 @@ impl Shape<'_> {
         }
     }
 
+    /// Where `radius` lies among the knots.
+    fn position(&self, radius: f32) -> f32 {
+        ((radius * self.inverse).ln() - FIRST) * (1.0 / STEP)
+    }
+
     /// s and ds/dℓ at ℓ = ln(`radius`/ℓ').
     fn logit(&self, radius: f32) -> (f32, f32) {
-        let position = ((radius * self.inverse).ln() - FIRST) * (1.0 / STEP);
+        let position = self.position(radius);
         if position <= 0.0 {
             let first = self.knot(0);
             return (first.value + first.slope * position, first.slope * (1.0 / STEP));
@@ -137,6 +174,13 @@ impl Shape<'_> {
         let (s, slope) = hermite(self.knot(i), self.knot(i + 1), position - i as f32);
         (s, slope * (1.0 / STEP))
     }
+}
+
+/// R = F(1 − F) s'/(2πr²).
+fn density_of_logit(s: f32, slope: f32, radius: f32) -> f32 {
+    // F(1 − F), without cancellation at either end; divided twice, as r² may underflow.
+    let e = (-s.abs()).exp();
+    e / radius * slope / ((1.0 + e) * (1.0 + e) * TAU * radius)
 }
 
 /// Value and slope (per knot distance) between two knots.
@@ -173,9 +217,7 @@ impl Profile for Shape<'_> {
     fn density(&self, radius: f32) -> f32 {
         let radius = radius.max(f32::MIN_POSITIVE);
         let (s, slope) = self.logit(radius);
-        // F(1 − F), without cancellation at either end; divided twice, as r² may underflow.
-        let e = (-s.abs()).exp();
-        e / radius * slope / ((1.0 + e) * (1.0 + e) * TAU * radius)
+        density_of_logit(s, slope, radius)
     }
 
     fn cumulative(&self, radius: f32) -> f32 {
@@ -205,12 +247,29 @@ impl Profile for Shape<'_> {
     }
 
     fn radius_of_ratio(&self, radius: f32, ratio: f32) -> f32 {
-        // From knot to knot outwards: R falls.
-        let target = ratio * self.density(radius);
-        let mut bound = radius;
-        while bound.is_finite() && self.density(bound) > target {
-            bound *= STEP.exp();
+        let position = self.position(radius);
+        if position < 0.0 {
+            // R falls at least as the power law that continues F.
+            let fall = 2.0 - self.knot(0).slope / STEP;
+            let bound = if fall > 0.25 { radius * ratio.powf(-1.0 / fall) } else { f32::INFINITY };
+            if bound * self.inverse <= KNOT_RADII[0] {
+                return bound;
+            }
         }
-        bound
+        // From knot to knot outwards: R falls.
+        let target = ratio * self.density(radius) / (self.inverse * self.inverse);
+        let next = (position + 1.0).max(0.0) as usize;
+        for (i, &knot_radius) in KNOT_RADII.iter().enumerate().skip(next) {
+            let Knot { value, slope } = self.knot(i);
+            if density_of_logit(value, slope / STEP, knot_radius) <= target {
+                return knot_radius * self.mean_free_path;
+            }
+        }
+        // Beyond the knots s rises by k r, and R = e^(−s) (1 + e^(−s))⁻² k/(2πr).
+        let last = self.knot(KNOTS - 1);
+        let start = radius.max(KNOT_RADII[KNOTS - 1] * self.mean_free_path);
+        let rate = last.slope / (STEP * KNOT_RADII[KNOTS - 1]) * self.inverse;
+        let fall = (self.density(start) / self.density(radius) / ratio).ln().max(0.0);
+        start + (fall + 2.0 * (-self.logit(start).0).exp().ln_1p()) / rate
     }
 }

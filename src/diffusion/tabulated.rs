@@ -72,10 +72,21 @@ fn eta_coordinate(eta: f64) -> f64 {
 /// Logits of all shapes, [entry][g][η][row][knot] in little-endian f32.
 static DATA: &[u8] = include_bytes!("tabulated.f32");
 
+/// The relative indices of refraction that the table covers, lowest and highest.
+pub fn eta_range() -> [f64; 2] {
+    static LARGEST: LazyLock<f64> = LazyLock::new(|| eta_nodes()[ETA_NODES - 1]);
+    [ETA_BELOW_ONE[0], *LARGEST]
+}
+
+/// The mean cosines that the table covers, lowest and highest.
+pub fn g_range() -> [f64; 2] {
+    [G_NODES[0], G_NODES[G_NODES.len() - 1]]
+}
+
 /// Whether the table covers the index of refraction and mean cosine. It covers every albedo.
 pub fn covers(eta: f64, g: f64) -> bool {
-    static LARGEST_ETA: LazyLock<f64> = LazyLock::new(|| eta_nodes()[ETA_NODES - 1]);
-    eta >= ETA_BELOW_ONE[0] && eta <= *LARGEST_ETA && g >= 0.0 && g <= G_NODES[G_NODES.len() - 1]
+    let ([eta_low, eta_high], [g_low, g_high]) = (eta_range(), g_range());
+    eta >= eta_low && eta <= eta_high && g >= g_low && g <= g_high
 }
 
 /// Shapes of the half-space of relative index `eta` and mean cosine `g`, for every albedo; the nearest in the

@@ -1,5 +1,7 @@
 //! Film, subsurface and render settings.
 
+use crate::diffusion::{ModelKind, ProfileKind};
+
 /// Resolution and reconstruction filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmSettings {
@@ -118,6 +120,20 @@ impl ProfileChoice {
         ("photon-beam", Self::PhotonBeam),
         ("tabulated", Self::Tabulated),
     ];
+
+    /// The profile chosen; `None`: the program chooses.
+    pub fn kind(self) -> Option<ProfileKind> {
+        let model = match self {
+            Self::Auto => return None,
+            Self::Tabulated => return Some(ProfileKind::Tabulated),
+            Self::Dipole => ModelKind::Dipole,
+            Self::BetterDipole => ModelKind::BetterDipole,
+            Self::DirectionalDipole => ModelKind::DirectionalDipole,
+            Self::NormalizedDiffusion => ModelKind::NormalizedDiffusion,
+            Self::PhotonBeam => ModelKind::PhotonBeam,
+        };
+        Some(ProfileKind::Model(model))
+    }
 
     /// Name in scene files and on the command line.
     pub fn name(self) -> &'static str {

@@ -36,7 +36,8 @@ use std::f32::consts::TAU;
 use glam::Vec3;
 
 use super::counters::ProbeCounters;
-use crate::diffusion::{NormalizedDiffusion, Profile};
+use super::spread::{Channels, Spread};
+use crate::diffusion::Profile;
 use crate::math::sampler::HashGenerator;
 use crate::math::{Frame, SampleStream};
 use crate::radiometry::{Rgb, Spectrum};
@@ -48,93 +49,6 @@ const CERTAIN_RATIO: f32 = 0.05;
 /// Lines tried before light is taken to enter where it left. A body fills a good part of the ball that
 /// its own diameter allows, so that this is not reached in practice; it is counted.
 const MAX_LINES: u32 = 64;
-
-/// The profiles of the three channels, cut where no point of the body can be.
-#[derive(Clone, Copy, Debug)]
-pub struct Spread {
-    profiles: [NormalizedDiffusion; 3],
-    /// Energy of each profile within the body's diameter.
-    within: [f32; 3],
-    diameter: f32,
-    /// All channels have the same profile.
-    gray: bool,
-}
-
-impl Spread {
-    /// Profiles of shape `d` (m) per channel on a body whose points are at most `diameter` apart.
-    /// Distances beyond it are never drawn; no energy is lost by that, as nothing is there.
-    ///
-    /// d is kept within 10⁻⁹ and 10⁴ diameters: below, coordinates cannot tell it from 0, and above, the
-    /// part of the profile that lies on the body no longer changes its form.
-    pub fn new(d: Rgb, diameter: f32) -> Self {
-        let profiles = d.0.map(|d| NormalizedDiffusion { d: d.clamp(1e-9 * diameter, 1e4 * diameter) });
-        Self {
-            profiles,
-            within: profiles.map(|p| p.cumulative(diameter)),
-            diameter,
-            gray: d.min_component() == d.max_component(),
-        }
-    }
-
-    /// R_c(r)/∫R_c within the diameter, for each channel that carries light.
-    fn densities(&self, radius: f32, channels: Channels) -> Rgb {
-        if self.gray {
-            return Rgb::splat(self.profiles[0].density(radius) / self.within[0]);
-        }
-        Rgb::from_fn(|c| match channels.probability[c] {
-            0.0 => 0.0,
-            _ => self.profiles[c].density(radius) / self.within[c],
-        })
-    }
-
-    fn sample_radius(&self, channel: usize, xi: f32) -> f32 {
-        self.profiles[channel].sample_radius(xi * self.within[channel])
-    }
-
-    /// A radius beyond which R̄ stays below `ratio` R̄(`radius`): that of the widest profile, as each
-    /// profile falls at least as fast as it.
-    fn reach(&self, radius: f32, ratio: f32) -> f32 {
-        let bound = |p: &NormalizedDiffusion| p.radius_of_ratio(radius, ratio);
-        self.profiles.iter().map(bound).fold(0.0, f32::max).min(self.diameter)
-    }
-}
-
-/// How much of the light each channel carries: the probability with which its profile is drawn from.
-///
-/// By that choice the light carried in all channels together is the same after the area integral as
-/// before, whichever point is drawn, however often a path repeats it; only its colour varies.
-#[derive(Clone, Copy, Debug)]
-pub struct Channels {
-    probability: Rgb,
-}
-
-impl Channels {
-    /// In proportion to `throughput`; alike if there is none.
-    pub fn of(throughput: Rgb) -> Self {
-        let sum: f32 = throughput.0.iter().sum();
-        let probability = if sum > 0.0 && sum.is_finite() { throughput / sum } else { Rgb::splat(1.0 / 3.0) };
-        Self { probability }
-    }
-
-    /// Mean over the channels by what they carry.
-    fn mean(&self, values: Rgb) -> f32 {
-        (values * self.probability).0.iter().sum()
-    }
-
-    /// Draws a channel in proportion to what it carries times `weights`, whose mean is 1.
-    fn draw(&self, weights: Rgb, u: f32) -> usize {
-        let shares = self.probability * weights;
-        let mut rest = u;
-        for c in 0..3 {
-            rest -= shares[c];
-            if rest < 0.0 {
-                return c;
-            }
-        }
-        // By rounding only: the largest.
-        (0..3).max_by(|&a, &b| shares[a].total_cmp(&shares[b])).unwrap_or(0)
-    }
-}
 
 /// Where the light that leaves at x_o came in.
 #[derive(Clone, Copy, Debug)]
@@ -159,7 +73,7 @@ thread_local! {
 }
 
 /// The area integral around one point.
-pub struct AreaIntegral<'a, C, N> {
+pub struct AreaIntegral<'a, C, N, P> {
     /// Finds the crossings.
     pub caster: &'a C,
     /// Unit geometric normal of a hit triangle.
@@ -167,7 +81,7 @@ pub struct AreaIntegral<'a, C, N> {
     /// The body.
     pub instance: u32,
     /// Profiles.
-    pub spread: &'a Spread,
+    pub spread: &'a Spread<P>,
     /// What the channels carry.
     pub channels: Channels,
     /// x_o.
@@ -186,7 +100,7 @@ struct Line {
     cut: f32,
 }
 
-impl<C: RayCaster, N: Fn(&Hit) -> Vec3> AreaIntegral<'_, C, N> {
+impl<C: RayCaster, N: Fn(&Hit) -> Vec3, P: Profile + Copy> AreaIntegral<'_, C, N, P> {
     /// Draws where the light came in. Uses the places `set` and `set + 1` of the stream.
     pub fn sample(&self, stream: &SampleStream, set: u32, counters: &mut ProbeCounters) -> EntryPoint {
         BUFFERS.with_borrow_mut(|(hits, crossings)| {
@@ -200,7 +114,7 @@ impl<C: RayCaster, N: Fn(&Hit) -> Vec3> AreaIntegral<'_, C, N> {
             let mean = self.channels.mean(densities);
             // The energy per channel that this line carries on the plane.
             let budget = if mean > 0.0 && mean.is_finite() { densities / mean } else { Rgb::ONE };
-            if self.below_resolution(hero) {
+            if !self.is_resolved(&line) {
                 return EntryPoint { hit: None, weight: budget };
             }
             if self.deliver(&axes, &line, accept, hits, crossings, counters) {
@@ -214,6 +128,9 @@ impl<C: RayCaster, N: Fn(&Hit) -> Vec3> AreaIntegral<'_, C, N> {
                     angle: TAU * generator.next_f32(),
                     cut: 1.0 - generator.next_f32(),
                 };
+                if !self.is_resolved(&line) {
+                    return EntryPoint { hit: None, weight: budget };
+                }
                 let accept = generator.next_f32();
                 if self.deliver(&axes, &line, accept, hits, crossings, counters) {
                     return self.choose(crossings, budget, generator.next_f32());
@@ -239,15 +156,15 @@ impl<C: RayCaster, N: Fn(&Hit) -> Vec3> AreaIntegral<'_, C, N> {
         let mut counters = ProbeCounters::default();
         for axis in 0..3 {
             self.probe(&axes, axis, &line, &mut hits, &mut crossings, &mut counters);
-            let uncut = Spectrum(self.spread.within);
+            let uncut = Spectrum(self.spread.within());
             found.extend(crossings.iter().map(|c| Crossing { weight: c.weight * uncut, ..*c }));
         }
     }
 
-    /// Where a profile is too narrow for the coordinates to resolve, light leaves where it entered:
-    /// three quarters of its energy have the scale 3d, and all but 10⁻⁶ of it lies within 40 d.
-    fn below_resolution(&self, channel: usize) -> bool {
-        40.0 * self.spread.profiles[channel].d < self.position_error
+    /// False for a line nearer than the error of the coordinates: light leaves where it entered. A probe could
+    /// not tell that the point it finds is as near.
+    fn is_resolved(&self, line: &Line) -> bool {
+        line.radius > self.position_error
     }
 
     /// Normal and two tangents turned at random about it.

@@ -2,6 +2,8 @@
 
 pub mod area_integral;
 pub mod counters;
+mod entry;
+pub mod form;
 pub mod interiors;
 pub mod light_choice;
 pub mod light_sampling;
@@ -9,6 +11,7 @@ mod path;
 pub mod renderer;
 pub mod scatterer;
 mod shading;
+pub mod spread;
 pub mod world;
 
 pub use counters::{Counters, ProbeCounters};

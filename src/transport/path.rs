@@ -2,17 +2,20 @@
 
 use glam::Vec3;
 
-use super::area_integral::{AreaIntegral, Channels};
+use super::area_integral::{AreaIntegral, EntryPoint};
 use super::counters::Counters;
+use super::entry::{DirectionDependence, Entry, Response};
 use super::interiors::Interiors;
 use super::light_choice::Receiver;
 use super::renderer::Renderer;
 use super::scatterer::Scattering;
 use super::shading::{Orientation, emitted, is_covered, resolve_bsdf};
+use super::spread::{Channels, Spread, Spreading};
 use super::world::{Substance, SurfacePoint};
+use crate::diffusion::Profile;
 use crate::math::robust::offset_from_surface;
 use crate::math::{Frame, SampleStream};
-use crate::optics::{Boundary, Bsdf};
+use crate::optics::Bsdf;
 use crate::radiometry::Rgb;
 use crate::raycast::{Ray, RayCaster};
 use crate::scene::{Method, ScatteringInput};
@@ -61,12 +64,6 @@ struct Origin {
 struct Next {
     origin: Vec3,
     direction: Vec3,
-}
-
-/// A lobe's value (BSDF times cosine) and density in a direction.
-struct Response {
-    value: Rgb,
-    density: f32,
 }
 
 /// A path under construction.
@@ -364,9 +361,8 @@ impl<'a, C: RayCaster> Path<'a, C> {
 
     fn scattering(&self, material: usize, surface: &SurfacePoint) -> Option<Scattering<'a>> {
         let Renderer { world, scatterers, .. } = self.renderer;
-        let around = self.interiors.current().map_or(1.0, |i| i.ior);
         Some(scatterers[material].as_ref()?.at(
-            around,
+            self.ior_around(),
             world.diameter(surface.instance),
             |input| match input {
                 ScatteringInput::Albedo { albedo, .. } => {
@@ -377,6 +373,11 @@ impl<'a, C: RayCaster> Path<'a, C> {
         ))
     }
 
+    /// Index of refraction of what the path is in.
+    fn ior_around(&self) -> f32 {
+        self.interiors.current().map_or(1.0, |i| i.ior)
+    }
+
     /// The area integral: finds where the light came in, and follows it from there.
     fn scatter_below(
         &mut self,
@@ -385,7 +386,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
         orientation: &Orientation,
         scattering: &Scattering<'a>,
     ) -> Option<Next> {
-        self.throughput *= scattering.albedo;
+        self.throughput *= scattering.local.albedo;
         if self.throughput.is_black() {
             return None;
         }
@@ -404,22 +405,19 @@ impl<'a, C: RayCaster> Path<'a, C> {
     ) -> Option<Entry<'a>> {
         let renderer = self.renderer;
         let world = &renderer.world;
-        let here = Entry { point: *surface, orientation: *orientation, boundary: scattering.boundary };
+        let here = Entry {
+            point: *surface,
+            orientation: *orientation,
+            boundary: scattering.boundary,
+            dependence: None,
+        };
         if renderer.options.method == Method::Diffuse {
             return Some(here);
         }
-        let integral = AreaIntegral {
-            caster: world.caster(),
-            geometric_normal: |hit: &_| world.geometric_normal(hit),
-            instance: surface.instance,
-            spread: &scattering.spread,
-            channels: Channels::of(self.throughput),
-            position: surface.position,
-            position_error: surface.error.max_element(),
-            normal: orientation.geometric,
+        let drawn = match &scattering.spreading {
+            Spreading::Normalized(spread) => self.draw_entry(spread, surface, orientation.geometric),
+            Spreading::Shaped(spread) => self.draw_entry(spread, surface, orientation.geometric),
         };
-        self.counters.area_integrals += 1;
-        let drawn = integral.sample(&self.stream, self.set(place::PROBE), &mut self.counters.probes);
         self.throughput *= drawn.weight;
         let Some(hit) = drawn.hit else { return Some(here) };
         let point = world.surface(&hit);
@@ -427,13 +425,39 @@ impl<'a, C: RayCaster> Path<'a, C> {
         if world.has_interiors() {
             self.interiors = world.interiors_at(leave(&point, orientation.geometric), orientation.geometric);
         }
-        let boundary = self.scattering(material, &point)?.boundary;
-        Some(Entry { point, orientation, boundary })
+        let immersed = renderer.scatterers[material].as_ref()?.immersed(self.ior_around());
+        let offset = surface.position - point.position;
+        let dependence = immersed.directional().and_then(|table| {
+            DirectionDependence::new(table, &scattering.local, offset, orientation.shading)
+        });
+        Some(Entry { point, orientation, boundary: immersed.boundary(), dependence })
+    }
+
+    /// Draws from the area integral around `surface`.
+    fn draw_entry<P: Profile + Copy>(
+        &mut self,
+        spread: &Spread<P>,
+        surface: &SurfacePoint,
+        normal: Vec3,
+    ) -> EntryPoint {
+        let world = &self.renderer.world;
+        let integral = AreaIntegral {
+            caster: world.caster(),
+            geometric_normal: |hit: &_| world.geometric_normal(hit),
+            instance: surface.instance,
+            spread,
+            channels: Channels::of(self.throughput),
+            position: surface.position,
+            position_error: surface.error.max_element(),
+            normal,
+        };
+        self.counters.area_integrals += 1;
+        integral.sample(&self.stream, self.set(place::PROBE), &mut self.counters.probes)
     }
 
     /// Follows the light that came in at `entry` to where it came from.
     fn leave_entry(&mut self, entry: &Entry) -> Next {
-        let Entry { point, orientation, boundary } = entry;
+        let Entry { point, orientation, boundary, .. } = entry;
         let [u, v, _, _] = self.stream.quad(self.set(place::ENTRY));
         let mut direction = Frame::from_normal(orientation.shading).to_world(boundary.sample_exit([u, v]));
         if direction.dot(orientation.geometric) < 0.0 {
@@ -443,33 +467,6 @@ impl<'a, C: RayCaster> Path<'a, C> {
         self.throughput *= if density > 0.0 { value / density } else { Rgb::ZERO };
         self.scattered_from = Some(Origin { receiver: entry.receiver(), density });
         Next { origin: leave(point, direction), direction }
-    }
-}
-
-/// Where light enters a translucent body.
-struct Entry<'a> {
-    point: SurfacePoint,
-    orientation: Orientation,
-    boundary: &'a Boundary,
-}
-
-impl Entry<'_> {
-    fn receiver(&self) -> Receiver {
-        self.orientation.receiver(&self.point)
-    }
-
-    /// The lobe S_w cosθ around the shading normal and the density that samples it, folded by the plane
-    /// of the triangle.
-    fn respond(&self, wi: Vec3) -> Response {
-        let (mut value, mut density) = (0.0, 0.0);
-        if wi.dot(self.orientation.geometric) > 0.0 {
-            for direction in self.orientation.unfolded(wi) {
-                let cos = direction.dot(self.orientation.shading);
-                value += self.boundary.exit_lobe(cos) * cos;
-                density += self.boundary.exit_density(cos);
-            }
-        }
-        Response { value: Rgb::splat(value), density }
     }
 }
 

@@ -7,8 +7,9 @@ use super::counters::Counters;
 use super::interiors::Interiors;
 use super::light_sampling::LightSampler;
 use super::path::{Path, place};
-use super::scatterer::Scatterer;
+use super::scatterer::{Scatterer, ScattererError};
 use super::world::World;
+use crate::diffusion::{ModelKind, ProfileKind};
 use crate::math::SampleStream;
 use crate::radiometry::Rgb;
 use crate::raycast::{Geometry, RayCaster, RaycastError};
@@ -34,6 +35,9 @@ pub enum RenderError {
     /// The ray caster failed.
     #[error(transparent)]
     Raycast(#[from] RaycastError),
+    /// A material cannot have the profile asked for.
+    #[error(transparent)]
+    Scatterer(#[from] ScattererError),
     /// The option is known but not available.
     #[error("{option} \"{value}\" is not available in this version; available: {available}")]
     Unavailable {
@@ -70,7 +74,14 @@ impl<C: RayCaster> Renderer<C> {
         let world = World::new(scene, build)?;
         let scene = world.scene();
         let lights = LightSampler::new(&world, world.radius());
-        let scatterers = (0..scene.materials.len()).map(|m| Scatterer::new(scene, m)).collect();
+        let profile = match options.method {
+            // None is used, and this one needs no preparation.
+            Method::Diffuse => Some(ProfileKind::Model(ModelKind::NormalizedDiffusion)),
+            _ => options.profile.kind(),
+        };
+        let scatterers = (0..scene.materials.len())
+            .map(|material| Scatterer::new(scene, material, profile))
+            .collect::<Result<_, _>>()?;
         // Upwards: any direction would do, and most scenes stand on a floor.
         let camera_interiors = world.interiors_at(scene.camera.position, Vec3::new(0.02, 0.999_8, 0.005));
         Ok(Self { world, lights, scatterers, options, camera, camera_interiors })
@@ -79,6 +90,19 @@ impl<C: RayCaster> Renderer<C> {
     /// The scene, lights included as geometry.
     pub fn scene(&self) -> &Scene {
         self.world.scene()
+    }
+
+    /// The diffusion profiles in use, each once; none where light leaves where it entered.
+    pub fn profiles(&self) -> Vec<ProfileKind> {
+        let mut profiles = Vec::new();
+        if self.options.method != Method::Diffuse {
+            for kind in self.scatterers.iter().flatten().flat_map(Scatterer::profiles) {
+                if !profiles.contains(&kind) {
+                    profiles.push(kind);
+                }
+            }
+        }
+        profiles
     }
 
     /// The ray caster.
@@ -105,13 +129,6 @@ fn check(options: &RenderOptions, scene: &Scene) -> Result<(), RenderError> {
             option: "method",
             value: "walk".into(),
             available: "auto, bssrdf, diffuse",
-        });
-    }
-    if !matches!(options.profile, ProfileChoice::Auto | ProfileChoice::NormalizedDiffusion) {
-        return Err(RenderError::Unavailable {
-            option: "profile",
-            value: options.profile.name().into(),
-            available: "auto, normalized-diffusion",
         });
     }
     if scene.render.color_mode == ColorMode::Spectral {

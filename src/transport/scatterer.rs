@@ -1,19 +1,46 @@
-//! Translucent materials made ready: boundary, albedo and spread for each surrounding they can have.
+//! Translucent materials made ready: boundary, albedo and profile for each surrounding they can have.
 
-use super::area_integral::Spread;
-use crate::diffusion::NormalizedDiffusion;
+use thiserror::Error;
+
+use super::form::{Form, FormError, profile_kind};
+use super::spread::{Spread, Spreading, resolvable};
+use crate::diffusion::{DirectionalWeightTable, HalfSpaceError, ModelKind, NormalizedDiffusion, ProfileKind};
 use crate::medium::{Medium, PlanarAlbedo};
 use crate::optics::boundary::Boundary;
 use crate::radiometry::Rgb;
 use crate::scene::{ScatteringInput, Scene, Surface};
 
+/// A material has no such profile.
+#[derive(Debug, Error)]
+#[error("material \"{material}\": {problem}")]
+pub struct ScattererError {
+    /// Name of the material.
+    pub material: String,
+    /// What is wrong.
+    pub problem: FormError,
+}
+
 /// A translucent material inside one surrounding medium.
-struct Immersed {
+pub struct Immersed {
     ior_around: f32,
     boundary: Boundary,
     planar: PlanarAlbedo,
-    /// Albedo and shape parameter d where neither is textured.
-    constant: Option<(Rgb, Rgb)>,
+    kind: ProfileKind,
+    form: Form,
+    /// Where nothing is textured.
+    constant: Option<Local>,
+}
+
+/// The medium at a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Local {
+    /// Share of the light entered that leaves again, on a plane.
+    pub albedo: Rgb,
+    /// 1 − α': share absorbed at a collision of the reduced medium.
+    pub absorbed: Rgb,
+    /// The scale of the profiles, m: the shape parameter d of normalized diffusion, the reduced mean free path
+    /// 1/σ_t' of all others.
+    pub length: Rgb,
 }
 
 /// A translucent material, for every surrounding that the scene can give it.
@@ -29,18 +56,54 @@ pub struct Scatterer {
 pub struct Scattering<'a> {
     /// The boundary.
     pub boundary: &'a Boundary,
-    /// Share of the light entered that leaves again, on a plane.
-    pub albedo: Rgb,
+    /// The medium, its length such as the body can resolve.
+    pub local: Local,
     /// Profiles.
-    pub spread: Spread,
+    pub spreading: Spreading<'a>,
+}
+
+impl Immersed {
+    fn new(
+        ior_around: f32,
+        eta: f32,
+        roughness: f32,
+        medium: &ScatteringInput,
+        kind: ProfileKind,
+    ) -> Result<Self, HalfSpaceError> {
+        let boundary = Boundary::new(eta, roughness * roughness);
+        let form = Form::new(kind, &boundary, f64::from(medium.g()))?;
+        let planar = PlanarAlbedo::new(eta, medium.g());
+        Ok(Self { ior_around, boundary, planar, kind, form, constant: None })
+    }
+
+    /// The boundary.
+    pub fn boundary(&self) -> &Boundary {
+        &self.boundary
+    }
+
+    /// The dependence of the profile on the direction of entry, if it has one.
+    pub fn directional(&self) -> Option<&DirectionalWeightTable> {
+        match &self.form {
+            Form::Normalized => None,
+            Form::Shaped { directional, .. } => directional.as_ref(),
+        }
+    }
 }
 
 impl Scatterer {
-    /// Prepares a material of `scene`; `None` if it is not translucent.
-    pub fn new(scene: &Scene, material: usize) -> Option<Self> {
+    /// Prepares a material of `scene` with the profile asked for, or the best one; `None` if it is not translucent.
+    ///
+    /// # Errors
+    /// If the material has no such profile. In surroundings that it may not be in at all another one takes its place.
+    pub fn new(
+        scene: &Scene,
+        material: usize,
+        profile: Option<ProfileKind>,
+    ) -> Result<Option<Self>, ScattererError> {
         let Surface::Translucent { ior, roughness, medium } = &scene.materials[material].surface else {
-            return None;
+            return Ok(None);
         };
+        let failed = |problem| ScattererError { material: scene.materials[material].name.clone(), problem };
         let mut around: Vec<f32> = vec![1.0];
         for other in &scene.materials {
             let ior = match &other.surface {
@@ -54,18 +117,26 @@ impl Scatterer {
         }
         let mut scatterer =
             Self { input: medium.clone(), matched: PlanarAlbedo::new(1.0, 0.0), immersed: Vec::new() };
+        let g = f64::from(medium.g());
         for ior_around in around {
-            let eta = ior / ior_around;
-            let mut immersed = Immersed {
-                ior_around,
-                boundary: Boundary::new(eta, roughness * roughness),
-                planar: PlanarAlbedo::new(eta, medium.g()),
-                constant: None,
+            let eta = f64::from(ior / ior_around);
+            let kind = match profile_kind(profile, eta, g) {
+                Err(FormError::NotTabulated { .. }) if !scatterer.immersed.is_empty() => {
+                    ProfileKind::Model(ModelKind::PhotonBeam)
+                }
+                kind => kind.map_err(failed)?,
             };
+            let immersed = Immersed::new(ior_around, eta as f32, *roughness, medium, kind);
+            let mut immersed = immersed.map_err(|problem| failed(problem.into()))?;
             immersed.constant = scatterer.constant(&immersed);
             scatterer.immersed.push(immersed);
         }
-        Some(scatterer)
+        Ok(Some(scatterer))
+    }
+
+    /// The profiles that it may use.
+    pub fn profiles(&self) -> impl Iterator<Item = ProfileKind> {
+        self.immersed.iter().map(|immersed| immersed.kind)
     }
 
     /// The material at a point of a body of the given diameter, inside a medium of index `ior_around`.
@@ -76,12 +147,28 @@ impl Scatterer {
         diameter: f32,
         albedo: impl FnOnce(&ScatteringInput) -> Rgb,
     ) -> Scattering<'_> {
-        let immersed = self.immersed.iter().find(|i| i.ior_around == ior_around).unwrap_or(&self.immersed[0]);
-        let (albedo, d) = immersed.constant.unwrap_or_else(|| self.resolve(immersed, albedo(&self.input)));
-        Scattering { boundary: &immersed.boundary, albedo, spread: Spread::new(d, diameter) }
+        let immersed = self.immersed(ior_around);
+        let mut local = immersed.constant.unwrap_or_else(|| self.resolve(immersed, albedo(&self.input)));
+        local.length = local.length.map(|length| resolvable(length, diameter));
+        let spreading = match &immersed.form {
+            Form::Normalized => Spreading::Normalized(Spread::new(
+                local.length.0.map(|d| NormalizedDiffusion { d }),
+                diameter,
+            )),
+            Form::Shaped { shapes, .. } => {
+                let shape = |c: usize| shapes.shape(local.absorbed[c], local.length[c]);
+                Spreading::Shaped(Spread::new([shape(0), shape(1), shape(2)], diameter))
+            }
+        };
+        Scattering { boundary: &immersed.boundary, local, spreading }
     }
 
-    fn constant(&self, immersed: &Immersed) -> Option<(Rgb, Rgb)> {
+    /// The material inside a medium of index `ior_around`.
+    pub fn immersed(&self, ior_around: f32) -> &Immersed {
+        self.immersed.iter().find(|i| i.ior_around == ior_around).unwrap_or(&self.immersed[0])
+    }
+
+    fn constant(&self, immersed: &Immersed) -> Option<Local> {
         match &self.input {
             ScatteringInput::Albedo { albedo, .. } if albedo.texture.is_some() || albedo.vertex_color => None,
             ScatteringInput::Albedo { albedo, .. } => Some(self.resolve(immersed, albedo.factor)),
@@ -89,14 +176,14 @@ impl Scatterer {
         }
     }
 
-    /// Albedo and d; `wanted` is the reflectance asked for, where the input is one.
-    fn resolve(&self, immersed: &Immersed, wanted: Rgb) -> (Rgb, Rgb) {
+    /// The medium; `wanted` is the reflectance asked for, where the input is one.
+    fn resolve(&self, immersed: &Immersed, wanted: Rgb) -> Local {
         match &self.input {
             ScatteringInput::Coefficients { sigma_a, sigma_s, g } => {
                 let medium = Medium { sigma_a: *sigma_a, sigma_s: *sigma_s, g: *g };
                 let absorbed = medium.absorbed_share_reduced();
                 let free_path = medium.sigma_t_reduced().map(|t| 1.0 / t);
-                (absorbed.map(|x| immersed.planar.albedo(x)), self.shape(absorbed, free_path))
+                self.local(immersed, absorbed.map(|x| immersed.planar.albedo(x)), absorbed, free_path)
             }
             ScatteringInput::Albedo { mean_free_path, g, .. } => {
                 let albedo = wanted.map(|a| a.clamp(0.0, 1.0));
@@ -104,13 +191,18 @@ impl Scatterer {
                 // With x = σ_a/σ_t' and σ_t = σ_a + σ_s,
                 // σ_t/σ_t' = x + (1−x)/(1−g).
                 let free_path = mean_free_path.zip(absorbed, |l, x| l * (x + (1.0 - x) / (1.0 - g)));
-                (albedo, self.shape(absorbed, free_path))
+                self.local(immersed, albedo, absorbed, free_path)
             }
         }
     }
 
-    /// Shape parameter d of normalized diffusion, from the reduced medium.
-    fn shape(&self, absorbed: Rgb, free_path: Rgb) -> Rgb {
-        absorbed.zip(free_path, |x, l| NormalizedDiffusion::from_albedo(self.matched.albedo(x), l).d)
+    fn local(&self, immersed: &Immersed, albedo: Rgb, absorbed: Rgb, free_path: Rgb) -> Local {
+        let length = match immersed.form {
+            Form::Normalized => {
+                absorbed.zip(free_path, |x, l| NormalizedDiffusion::from_albedo(self.matched.albedo(x), l).d)
+            }
+            Form::Shaped { .. } => free_path,
+        };
+        Local { albedo, absorbed, length }
     }
 }
