@@ -104,6 +104,10 @@ pub fn renderer(scene: Scene) -> Renderer<Caster> {
     Renderer::new(scene, options(), caster).unwrap()
 }
 
+pub fn renderer_with(scene: Scene, profile: ProfileChoice) -> Renderer<Caster> {
+    Renderer::new(scene, RenderOptions { profile, ..options() }, caster).unwrap()
+}
+
 /// Meshes joined into one.
 pub fn join(parts: impl IntoIterator<Item = Mesh>) -> Mesh {
     let mut joined = Mesh::default();
