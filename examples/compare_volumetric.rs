@@ -16,20 +16,23 @@ use std::error::Error;
 use std::path::Path;
 
 use alabaster::raycast::embree::EmbreeCaster;
-use alabaster::scene::read_scene;
+use alabaster::scene::{ProfileChoice, read_scene};
 use alabaster::transport::Renderer;
 use common::scenes::options;
 use common::volumetric::{self, Comparison};
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!(
-        "| scene | spp | relMSE of the object | of the picture | object's mean against the reference, R / G / B |"
+        "| scene | profile | spp | relMSE of the object | of the picture | object's mean against the reference, R / G / B |"
     );
-    println!("|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|");
     for name in ["sphere_marble", "sphere_indexmatched", "slab_thin"] {
         let reference = volumetric::read(name);
-        for samples in [64, 1024] {
-            print_row(name, samples, &volumetric::compare(&reference, samples));
+        for (profile_name, profile) in ProfileChoice::NAMES {
+            for samples in [64, 1024] {
+                let comparison = volumetric::compare(&reference, profile, samples);
+                print_row(&format!("{name} | {profile_name}"), samples, &comparison);
+            }
         }
     }
     println!();
@@ -42,7 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     time("scenes/marble-sphere.toml", read_scene(&path)?, 64)
 }
 
-fn print_row(name: &str, samples: u64, comparison: &Comparison) {
+fn print_row(start: &str, samples: u64, comparison: &Comparison) {
     let bias = [0, 1, 2].map(|c| {
         let (bias, sigma) = comparison.bias(c);
         format!(
@@ -54,7 +57,7 @@ fn print_row(name: &str, samples: u64, comparison: &Comparison) {
         )
     });
     println!(
-        "| {name} | {samples} | {:.4} | {:.4} | {} |",
+        "| {start} | {samples} | {:.4} | {:.4} | {} |",
         comparison.relative_mse,
         comparison.relative_mse_of_picture,
         bias.join(" / ")

@@ -160,9 +160,33 @@ fn embree_is_refused_where_it_is_not_built_in() {
 #[test]
 fn what_is_not_there_yet_is_refused() {
     let folder = Folder::new();
-    is_refused(&folder, folder.render(&["-o", "a.exr", "--profile", "dipole"]), 2, "normalized-diffusion");
+    is_refused(&folder, folder.render(&["-o", "a.exr", "--method", "walk"]), 2, "auto, bssrdf, diffuse");
     fs::write(folder.path("spectral.toml"), format!("{SCENE}[render]\nmode = \"spectral\"\n")).unwrap();
     is_refused(&folder, folder.command(&["render", "spectral.toml", "-o", "a.exr"]), 2, "auto, rgb");
+}
+
+#[test]
+fn every_profile_renders_and_is_reported() {
+    let folder = Folder::new();
+    let names =
+        ["dipole", "better-dipole", "directional-dipole", "normalized-diffusion", "photon-beam", "tabulated"];
+    for name in names {
+        let made = report(folder.render(&["-o", "a.exr", "--spp", "1", "--profile", name, "--json"]));
+        assert_eq!(made["profiles"], serde_json::json!([name]));
+        assert_eq!(made["nonfinite"], 0);
+    }
+    let made = report(folder.render(&["-o", "a.exr", "--spp", "1", "--method", "diffuse", "--json"]));
+    assert_eq!(made["profiles"], serde_json::json!([]));
+}
+
+#[test]
+fn the_tabulated_profile_says_what_it_covers() {
+    let folder = Folder::new();
+    fs::write(folder.path("diamond.toml"), SCENE.replace("ior = 1.5", "ior = 2.4")).unwrap();
+    let render = |profile| folder.command(&["render", "diamond.toml", "-o", "a.exr", "--profile", profile]);
+    let message = "material \"marble\": the tabulated profile covers relative indices from 0.6 to 2.042";
+    is_refused(&folder, render("tabulated"), 2, message);
+    ends_with(render("auto"), 0);
 }
 
 #[test]

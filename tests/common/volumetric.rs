@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use alabaster::film::Film;
-use alabaster::scene::{Scene, read_scene};
+use alabaster::scene::{ProfileChoice, Scene, read_scene};
 use alabaster::transport::{Counters, Renderer};
 
 use super::cpu_time::thread_seconds;
-use super::scenes::{Caster, caster, options};
+use super::scenes::{Caster, renderer_with};
 
 /// Offset in the denominator of relMSE, so that dark pixels count by their absolute error.
 const OFFSET: f64 = 0.01;
@@ -74,10 +74,10 @@ fn read_pixels(path: &PathBuf) -> Vec<ReferencePixel> {
     .collect()
 }
 
-/// Renders the scene of `reference` on one thread and compares.
-pub fn compare(reference: &Reference, samples: u64) -> Comparison {
+/// Renders the scene of `reference` with a profile, on one thread, and compares.
+pub fn compare(reference: &Reference, profile: ProfileChoice, samples: u64) -> Comparison {
     let scene = reference.scene.clone();
-    let renderer = Renderer::new(scene, options(), caster).unwrap();
+    let renderer = renderer_with(scene, profile);
     let (film, cpu_seconds) = render(&renderer, samples);
     let mut comparison = Comparison {
         relative_mse: 0.0,
