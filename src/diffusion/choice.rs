@@ -25,9 +25,6 @@ impl ProfileKind {
     /// the truth up to interpolation, where the table [covers](tabulated::covers) them, and the most accurate
     /// of the models elsewhere. Whatever the albedo: it may vary over a surface and between its channels.
     pub fn automatic(eta: f64, g: f64) -> Self {
-        if true {
-            return Self::Model(ModelKind::NormalizedDiffusion);
-        }
         if tabulated::covers(eta, g) { Self::Tabulated } else { Self::Model(ModelKind::PhotonBeam) }
     }
 }

@@ -208,12 +208,10 @@ mod tests {
                 let farthest = (10.0 / (3.0 * share).sqrt()).min(1e4);
                 let radius = farthest * (1e-4 / farthest).powf(random.next_f32());
                 let mean = mean_weight(&boundary, &table, &table.at(share, radius).unwrap());
-                if (mean - 1.0).abs() > 1e-4 {
-                    println!("{eta} {alpha} {share:e} {radius:e}: {:e}", mean - 1.0);
-                }
                 worst = worst.max((mean - 1.0).abs());
             }
             println!("eta {eta}, alpha {alpha}: {worst:.1e}");
+            // Quadrature over a lobe that is tabulated where it is rough, and cubics between the nodes of a table: 4e-4.
             assert!(worst < 1e-3, "eta {eta}, alpha {alpha}: {worst:.1e}");
         }
     }

@@ -204,7 +204,7 @@ fn inverse_hermite(a: Knot, b: Knot, s: f32) -> f32 {
             low = t
         }
         let newton = t - error / slope;
-        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
         if (next - t).abs() <= f32::EPSILON {
             return next;
         }
