@@ -4,7 +4,6 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use serde_json::json;
 
 use super::error::CliError;
 use super::progress::{duration, quantity};
@@ -124,10 +123,15 @@ impl RunReport {
     }
 }
 
-/// The object of all runs.
-pub fn reports_json(reports: &[RunReport]) -> Result<String, CliError> {
-    serde_json::to_value(reports)
-        .map(|runs| json!({ "runs": runs }).to_string())
+/// The object that is printed.
+#[derive(Serialize)]
+struct Reports<'a> {
+    runs: &'a [RunReport],
+}
+
+/// All runs as JSON.
+pub fn reports_json(runs: &[RunReport]) -> Result<String, CliError> {
+    serde_json::to_string(&Reports { runs })
         .map_err(|error| CliError::machine(format!("the report cannot be written as JSON: {error}")))
 }
 
