@@ -123,7 +123,7 @@ fn simulate(
     let (scattered, photons) = simulation.run(|added| progress.advance(added), &stop.now);
     progress.bar.finish();
     let seconds = progress.bar.seconds();
-    (photons > 0).then(|| Finished { simulation, scattered, photons, seconds })
+    (photons > 0).then_some(Finished { simulation, scattered, photons, seconds })
 }
 
 fn interrupted(reports: &[RunReport], runs: usize) -> CliError {
