@@ -92,7 +92,7 @@ fn reflected(found: &Scattered) -> Estimate {
 
 /// Every row of both tables. One walk without absorption serves all albedos of a slab, see [`White`].
 #[test]
-#[ignore = "minutes: an hour of processor time"]
+#[ignore = "hours: three or more of processor time"]
 fn every_planar_reflectance_and_transmittance() {
     let mut family = Family::new(ABSOLUTE);
     let mut seed = 0;
