@@ -1,5 +1,6 @@
 //! Commands: parse, call, print. One file a command.
 
+mod bar;
 mod choice;
 mod console;
 mod error;
@@ -7,7 +8,11 @@ mod materials;
 mod progress;
 mod render;
 mod report;
+mod slab;
+mod slab_outputs;
+mod slab_report;
 mod stop;
+mod threads;
 mod tonemap;
 
 use std::io::{self, IsTerminal};
@@ -39,6 +44,8 @@ enum Command {
     Render(render::RenderArgs),
     /// Makes a .png picture for people of an .exr
     Tonemap(tonemap::TonemapArgs),
+    /// Walks photons through layers as an MCML input file (.mci) says: reflectance, transmittance, absorption
+    Slab(slab::SlabArgs),
     /// Lists the measured materials with their sources
     Materials(materials::MaterialsArgs),
 }
@@ -67,6 +74,7 @@ fn run(command: Command) -> Result<(), CliError> {
     match command {
         Command::Render(args) => render::run(&args),
         Command::Tonemap(args) => tonemap::run(&args),
+        Command::Slab(args) => slab::run(&args),
         Command::Materials(args) => materials::run(&args),
     }
 }
