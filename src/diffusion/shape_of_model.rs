@@ -55,11 +55,11 @@ pub(super) fn reduced_half_space(absorbed_share: f64, g: f64, eta: f64) -> Resul
 fn logits(rule: &GaussLegendre, model: &impl DiffusionModel) -> [f64; KNOTS] {
     let fold = |i: i32| f64::from(i).exp();
     let (first, last) = (knot_radius(0), knot_radius(KNOTS - 1));
-    let mut parts = [0.0; KNOTS + 1];
-    parts[0] = energy_by(rule, model, first * fold(-FOLDS), first);
-    for i in 1..KNOTS {
-        parts[i] = energy_by(rule, model, knot_radius(i - 1), knot_radius(i));
-    }
+    let mut parts: [f64; KNOTS + 1] = std::array::from_fn(|i| match i {
+        0 => energy_by(rule, model, first * fold(-FOLDS), first),
+        KNOTS => 0.0,
+        _ => energy_by(rule, model, knot_radius(i - 1), knot_radius(i)),
+    });
     // An exponential tail has ended long before the last knot.
     if parts[KNOTS - 1] > 0.0 {
         parts[KNOTS] = energy_by(rule, model, last, last * fold(FOLDS));
@@ -82,7 +82,7 @@ fn logits_of_parts(parts: &[f64; KNOTS + 1]) -> [f64; KNOTS] {
     // Where nothing is left outside, the logit goes on in proportion to the radius, as in an exponential tail.
     let growth = 10.0_f64.powf(1.0 / KNOTS_PER_DECADE as f64);
     for i in 2..KNOTS {
-        if !(outside[i] > LEAST_SHARE * total) {
+        if outside[i] <= LEAST_SHARE * total {
             logits[i] = logits[i - 1] + growth * (logits[i - 1] - logits[i - 2]);
         }
     }
