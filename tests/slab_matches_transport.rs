@@ -267,7 +267,7 @@ fn collisions_follow_their_law() {
         }
         let photons = (FLIGHTS / (1.0 + exact)) as u64;
         let stack = slab(f64::INFINITY, omega, 0.0, 1.0);
-        let analog = Roulette { weight: 1.0, collisions: u64::MAX };
+        let analog = Roulette { weight: 1.0, collisions: u64::MAX, kept: 1.0 };
         let walk = Walk::new(&stack, NORMAL, analog);
         let stop = AtomicBool::new(false);
         let found = estimate(&walk, photons, i as u64, Collisions::default, |_| {}, &stop).estimates[0];

@@ -46,11 +46,11 @@ fn at(edges: &[(f64, f64)], position: f64) -> f64 {
         return first.1 + position - first.0;
     }
     if position >= last.0 {
-        // The tail falls exponentially: s grows in proportion to r, at the rate found over the last half octave or, where
-        // it falls by a power, ln r.
-        let before = edges[edges.len() - 1 - RINGS_PER_DECADE / 6];
-        let rate = (last.1 - before.1) / (last.0.exp() - before.0.exp());
-        return last.1 + rate * (position.exp() - last.0.exp());
+        // Far out 1 − F ~ e^(−κr)/r, with κ = 0 where nothing is absorbed, so s − ℓ grows in proportion to r.
+        let before = edges[edges.len() - 1 - RINGS_PER_DECADE / 3];
+        let rise = (last.1 - last.0) - (before.1 - before.0);
+        let rate = (rise / (last.0.exp() - before.0.exp())).max(0.0);
+        return last.1 + (position - last.0) + rate * (position.exp() - last.0.exp());
     }
     let step = edges[1].0 - edges[0].0;
     let nearest = ((position - first.0) / step).round() as usize;
