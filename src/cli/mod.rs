@@ -1,13 +1,17 @@
 //! Commands: parse, call, print. One file a command.
 
+mod bar;
 mod choice;
 mod console;
 mod error;
 mod materials;
+mod profile;
+mod profile_input;
 mod progress;
 mod render;
 mod report;
 mod stop;
+mod threads;
 mod tonemap;
 
 use std::io::{self, IsTerminal};
@@ -39,6 +43,8 @@ enum Command {
     Render(render::RenderArgs),
     /// Makes a .png picture for people of an .exr
     Tonemap(tonemap::TonemapArgs),
+    /// Studies diffusion profiles: every model of R(r) beside photon Monte Carlo, as tables and pictures
+    Profile(profile::ProfileArgs),
     /// Lists the measured materials with their sources
     Materials(materials::MaterialsArgs),
 }
@@ -67,6 +73,7 @@ fn run(command: Command) -> Result<(), CliError> {
     match command {
         Command::Render(args) => render::run(&args),
         Command::Tonemap(args) => tonemap::run(&args),
+        Command::Profile(args) => profile::run(&args),
         Command::Materials(args) => materials::run(&args),
     }
 }
