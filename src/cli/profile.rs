@@ -36,7 +36,7 @@ pub struct ProfileArgs {
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     models: Vec<String>,
     /// Photon packets of each Monte Carlo walk
-    #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 4_000_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000))]
     photons: u64,
     /// Fail, with exit code 1, if the L1 error of a model is larger than this share
     #[arg(long, value_name = "X", value_parser = positive)]
@@ -93,6 +93,7 @@ fn run_comparison(args: &ProfileArgs) -> Result<(), CliError> {
     hint(&material);
     let walks = if material.thickness.is_some() { 1 } else { truth::walks_needed(&material.channels) };
     let stop = Stop::on_signals()?;
+    tracing::info!("walking photons");
     let progress = Progress::start(walks * args.photons, args.quiet);
     let advance = |added| progress.advance(added);
     let watch = Watch { advance: &advance, stop: &stop.now };
@@ -130,7 +131,7 @@ fn check_models(material: &Material, settings: &Settings) -> Result<String, CliE
     Ok(format!("slab {} mm thick", lengths::significant(1e3 * thickness)))
 }
 
-/// Lengths that are hardly meant are said before the work. Measured materials are what they are.
+/// Lengths that are hardly meant are said before the work.
 fn hint(material: &Material) {
     summary::notes(material).iter().for_each(|note| say(&format!("warning: {note}")));
 }
@@ -181,6 +182,7 @@ fn run_sweep(args: &ProfileArgs, sweep: &Sweep) -> Result<(), CliError> {
     };
     make_directory(&args.output)?;
     let stop = Stop::on_signals()?;
+    tracing::info!("walking photons");
     let progress = Progress::start(sweep.walks_needed() * args.photons, args.quiet);
     let advance = |added| progress.advance(added);
     let points = sweep::run(sweep, &base, &settings, Watch { advance: &advance, stop: &stop.now })

@@ -3,7 +3,7 @@
 use super::comparison::{ChannelResult, Quantity};
 use super::lengths::significant;
 use super::models::ModelChoice;
-use super::plot::{Axis, Dot, Legend, Line, Panel, PlotError, Style, svg};
+use super::plot::{Axis, Dot, Line, Panel, PlotError, Style, svg};
 use super::rings::{COMPARED, Rings, inner_radius, middle_radius, outer_radius};
 use crate::diffusion::{Fit, ModelKind};
 
@@ -38,17 +38,7 @@ pub fn figures(results: &[ChannelResult]) -> Result<Vec<(&'static str, String)>,
     kinds
         .into_iter()
         .map(|(name, panel)| {
-            let panels: Vec<Panel> = results
-                .iter()
-                .enumerate()
-                .map(|(i, result)| {
-                    let mut panel = panel(&View::new(result));
-                    if i > 0 {
-                        panel.legend = Legend::Nowhere;
-                    }
-                    panel
-                })
-                .collect();
+            let panels: Vec<Panel> = results.iter().map(|result| panel(&View::new(result))).collect();
             Ok((name, svg(&panels)?))
         })
         .collect()
@@ -82,13 +72,7 @@ impl<'a> View<'a> {
         self.unit * outer_radius(ring).max(3.0)
     }
 
-    fn panel(
-        &self,
-        x: Axis,
-        y: Axis,
-        legend: Legend,
-        value: impl Fn(&Rings, usize) -> (f64, f64, f64),
-    ) -> Panel {
+    fn panel(&self, x: Axis, y: Axis, value: impl Fn(&Rings, usize) -> (f64, f64, f64)) -> Panel {
         let lines = self.result.models.iter().map(|model| Line {
             name: model.choice.name().into(),
             style: style(model.choice),
@@ -109,7 +93,6 @@ impl<'a> View<'a> {
             lines: lines.collect(),
             dots_name: "Monte Carlo, ±2σ".into(),
             dots: dots.collect(),
-            legend,
         }
     }
 
@@ -166,16 +149,16 @@ fn logarithmic(view: &View) -> Panel {
     let density = view.density();
     let (low, high) = extent(view.rings(from, to).map(|i| density(&view.result.truth, i).1));
     let y = Axis { label: view.density_label(), range: 0.3 * low..3.0 * high, log: true };
-    view.panel(view.radius_axis(true, from..to), y, Legend::LowerLeft, density)
+    view.panel(view.radius_axis(true, from..to), y, density)
 }
 
 fn linear(view: &View) -> Panel {
     let to = view.radius_of_share(0.8);
     let density = view.density();
-    // Profiles have a pole at the centre; what is seen begins at a fifteenth of the width.
-    let (_, high) = extent(view.rings(to / 15.0, to).map(|i| density(&view.result.truth, i).1));
+    // Profiles have a pole at the centre; what is seen begins at an eighth of the width.
+    let (_, high) = extent(view.rings(to / 8.0, to).map(|i| density(&view.result.truth, i).1));
     let y = Axis { label: view.density_label(), range: 0.0..1.1 * high, log: false };
-    view.panel(view.radius_axis(false, 0.0..to), y, Legend::UpperRight, density)
+    view.panel(view.radius_axis(false, 0.0..to), y, density)
 }
 
 fn radius_times_density(view: &View) -> Panel {
@@ -188,8 +171,8 @@ fn radius_times_density(view: &View) -> Panel {
     };
     let truths = view.rings(from, to).map(|i| value(&view.result.truth, i).1);
     let (_, high) = extent(truths);
-    let y = Axis { label: format!("r {}(r) [1/mm]", view.symbol), range: 0.0..1.6 * high, log: false };
-    view.panel(view.radius_axis(true, from..to), y, Legend::UpperRight, value)
+    let y = Axis { label: format!("r {}(r) [1/mm]", view.symbol), range: 0.0..1.7 * high, log: false };
+    view.panel(view.radius_axis(true, from..to), y, value)
 }
 
 fn cumulative(view: &View) -> Panel {
@@ -201,7 +184,7 @@ fn cumulative(view: &View) -> Panel {
         Quantity::Transmittance => "share of light that passes within r",
     };
     let y = Axis { label: label.into(), range: 0.0..1.05 * high, log: false };
-    view.panel(view.radius_axis(true, from..to), y, Legend::UpperLeft, |rings, i| {
+    view.panel(view.radius_axis(true, from..to), y, |rings, i| {
         let inside = rings.inside[i];
         (outer_radius(i), inside.value, inside.standard_error)
     })

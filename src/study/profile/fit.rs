@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::lengths::significant;
 use super::measured::MeasuredProfile;
-use super::plot::{Axis, Dot, Legend, Line, Panel, PlotError, Style, svg};
+use super::plot::{Axis, Dot, Line, Panel, PlotError, Style, svg};
 use crate::diffusion::{DiffusionModel, HalfSpace, PhotonBeam, Profile, ShapeTable, tabulated};
 use crate::medium::{Entry, PlaneParallel};
 
@@ -350,6 +350,5 @@ pub fn figure(
         }],
         dots_name: "measured, ±σ".into(),
         dots,
-        legend: Legend::LowerLeft,
     }])
 }

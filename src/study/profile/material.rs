@@ -25,6 +25,8 @@ pub struct Material {
     pub channels: Vec<Channel>,
     /// Thickness of a slab, m; none for a half-space.
     pub thickness: Option<f64>,
+    /// Whether it was measured as it is, so that unlikely lengths are no mistake.
+    pub measured: bool,
     /// What its reader ought to know.
     pub notes: Vec<String>,
 }
@@ -122,7 +124,7 @@ impl Material {
             g: g.to_vec(),
             eta: eta.map_or_else(|| vec![f64::from(*ior)], <[f64]>::to_vec),
         };
-        Self::of_coefficients(name, &coefficients)
+        Ok(Self { measured: true, ..Self::of_coefficients(name, &coefficients)? })
     }
 
     /// A half-space of these coefficients.
@@ -147,7 +149,7 @@ impl Material {
         if channels.is_empty() {
             return Err(MaterialError::NoScattering);
         }
-        Ok(Self { name: name.into(), channels, thickness: None, notes })
+        Ok(Self { name: name.into(), channels, thickness: None, measured: false, notes })
     }
 
     /// The half-space that reflects the share `albedo` of the light that enters as `entry`, and whose mean free path 1/σ_t

@@ -1,4 +1,4 @@
-//! Line charts as SVG, side by side, for any axes.
+//! Line charts as SVG, side by side, with one legend.
 
 use std::ops::Range;
 
@@ -49,19 +49,6 @@ pub struct Axis {
     pub log: bool,
 }
 
-/// Where there is room for the legend.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Legend {
-    /// None.
-    Nowhere,
-    /// Upper left.
-    UpperLeft,
-    /// Upper right.
-    UpperRight,
-    /// Lower left.
-    LowerLeft,
-}
-
 /// One chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
@@ -77,12 +64,12 @@ pub struct Panel {
     pub dots_name: String,
     /// Dots, over the lines.
     pub dots: Vec<Dot>,
-    /// Where the legend is.
-    pub legend: Legend,
 }
 
 /// Size of a panel in pixels.
-const SIZE: (u32, u32) = (520, 430);
+const SIZE: (u32, u32) = (480, 410);
+/// Width of the legend beside them.
+const LEGEND_WIDTH: u32 = 230;
 const FONT: &str = "sans-serif";
 const TEXT: u32 = 15;
 /// What cannot be drawn, which does not happen in a string.
@@ -95,12 +82,15 @@ pub type PlotError = DrawingAreaErrorKind<<SVGBackend<'static> as DrawingBackend
 pub fn svg(panels: &[Panel]) -> Result<String, PlotError> {
     let mut content = String::new();
     {
-        let size = (SIZE.0 * panels.len().max(1) as u32, SIZE.1);
-        let root = SVGBackend::with_string(&mut content, size).into_drawing_area();
+        let count = panels.len().max(1);
+        let width = SIZE.0 * count as u32;
+        let root = SVGBackend::with_string(&mut content, (width + LEGEND_WIDTH, SIZE.1)).into_drawing_area();
         root.fill(&WHITE)?;
-        for (area, panel) in root.split_evenly((1, panels.len().max(1))).iter().zip(panels) {
+        let (charts, legend) = root.split_horizontally(width);
+        for (area, panel) in charts.split_evenly((1, count)).iter().zip(panels) {
             draw(area, panel)?;
         }
+        draw_legend(&legend, panels)?;
         root.present()?;
     }
     Ok(dashed(content, panels))
@@ -139,8 +129,8 @@ where
 {
     let mut chart = ChartBuilder::on(area)
         .caption(&panel.title, (FONT, TEXT))
-        .margin(10)
-        .margin_right(18)
+        .margin(8)
+        .margin_right(20)
         .x_label_area_size(46)
         .y_label_area_size(70)
         .build_cartesian_2d(x, y)?;
@@ -158,24 +148,14 @@ where
         .axis_desc_style((FONT, TEXT))
         .label_style((FONT, TEXT - 2))
         .draw()?;
-    for line in &panel.lines {
-        let [r, g, b] = line.style.color;
-        let style = RGBColor(r, g, b).stroke_width(2);
-        let mut pieces = clipped(line, panel).into_iter();
-        // Without a piece in sight, the legend has its name all the same.
-        let first = pieces.next().unwrap_or_default();
-        chart
-            .draw_series(LineSeries::new(first, style))?
-            .label(&line.name)
-            .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 34, y)], style));
-        for piece in pieces {
-            chart.draw_series(LineSeries::new(piece, style))?;
+    // Dashes over full lines, so that both are seen where they meet.
+    let (full, dashed): (Vec<_>, Vec<_>) = panel.lines.iter().partition(|line| line.style.dashes.is_empty());
+    for line in full.into_iter().chain(dashed) {
+        for piece in clipped(line, panel) {
+            chart.draw_series(LineSeries::new(piece, line_style(line)))?;
         }
     }
-    if !panel.dots.is_empty() {
-        draw_dots(&mut chart, panel)?;
-    }
-    draw_legend(&mut chart, panel.legend)
+    draw_dots(&mut chart, panel)
 }
 
 fn draw_dots<R, S>(
@@ -194,37 +174,37 @@ where
         PathElement::new(ends.map(|y| (dot.x, y)).to_vec(), BLACK)
     });
     chart.draw_series(bars)?;
-    let dots = seen.iter().map(|dot| Circle::new((dot.x, dot.y), 2, BLACK.filled()));
-    chart
-        .draw_series(dots)?
-        .label(&panel.dots_name)
-        .legend(|(x, y)| Circle::new((x + 17, y), 3, BLACK.filled()));
+    chart.draw_series(seen.iter().map(|dot| Circle::new((dot.x, dot.y), 2, BLACK.filled())))?;
     Ok(())
 }
 
-fn draw_legend<'a, 'b: 'a, R, S>(
-    chart: &mut ChartContext<'a, SVGBackend<'b>, Cartesian2d<R, S>>,
-    legend: Legend,
-) -> Result<(), PlotError>
-where
-    R: Ranged<ValueType = f64>,
-    S: Ranged<ValueType = f64>,
-{
-    let position = match legend {
-        Legend::Nowhere => return Ok(()),
-        Legend::UpperLeft => SeriesLabelPosition::UpperLeft,
-        Legend::UpperRight => SeriesLabelPosition::UpperRight,
-        Legend::LowerLeft => SeriesLabelPosition::LowerLeft,
-    };
-    chart
-        .configure_series_labels()
-        .position(position)
-        .margin(8)
-        .legend_area_size(40)
-        .background_style(WHITE.mix(0.85))
-        .border_style(RGBColor(200, 200, 200))
-        .label_font((FONT, TEXT - 2))
-        .draw()
+/// Names of all lines and dots, each once, in a column.
+fn draw_legend(area: &Area, panels: &[Panel]) -> Result<(), PlotError> {
+    let mut lines: Vec<&Line> = Vec::new();
+    for line in panels.iter().flat_map(|panel| &panel.lines) {
+        if !lines.iter().any(|known| known.name == line.name) {
+            lines.push(line);
+        }
+    }
+    let text = (FONT, TEXT - 1).into_text_style(area);
+    let place = |row: usize| 44 + 22 * row as i32;
+    for (row, line) in lines.iter().enumerate() {
+        let y = place(row);
+        area.draw(&PathElement::new(vec![(0, y), (36, y)], line_style(line)))?;
+        area.draw_text(&line.name, &text, (44, y - 7))?;
+    }
+    if let Some(panel) = panels.iter().find(|panel| !panel.dots.is_empty()) {
+        let y = place(lines.len());
+        area.draw(&PathElement::new(vec![(18, y - 7), (18, y + 7)], BLACK))?;
+        area.draw(&Circle::new((18, y), 3, BLACK.filled()))?;
+        area.draw_text(&panel.dots_name, &text, (44, y - 7))?;
+    }
+    Ok(())
+}
+
+fn line_style(line: &Line) -> ShapeStyle {
+    let [r, g, b] = line.style.color;
+    RGBColor(r, g, b).stroke_width(2)
 }
 
 /// The pieces of a line within the ranges of the axes, cut at their ends.
@@ -331,7 +311,6 @@ mod tests {
             lines: vec![line.clone()],
             dots_name: "dots".into(),
             dots: vec![Dot { x: 2.0, y: 2.0, error: 5.0 }],
-            legend: Legend::UpperRight,
         };
         let pieces = clipped(&line, &panel);
         assert_eq!(pieces.len(), 2);

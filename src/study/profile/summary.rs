@@ -147,7 +147,8 @@ pub fn entry_name(entry: Entry) -> &'static str {
 
 /// What the reader ought to know: notes, and lengths that are hardly meant.
 pub fn notes(material: &Material) -> Vec<String> {
-    let hints = material.channels.iter().filter_map(|channel| {
+    let doubtful = material.channels.iter().filter(|_| !material.measured);
+    let hints = doubtful.filter_map(|channel| {
         unit_hint(&channel.medium).map(|hint| format!("channel {}: {hint}", channel.name))
     });
     material.notes.iter().cloned().chain(hints).collect()

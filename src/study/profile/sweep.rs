@@ -7,7 +7,7 @@ use thiserror::Error;
 use super::comparison::{ChannelResult, Settings, half_space};
 use super::figures::style;
 use super::material::Channel;
-use super::plot::{Axis, Dot, Legend, Line, Panel, PlotError, Style, svg};
+use super::plot::{Axis, Dot, Line, Panel, PlotError, Style, svg};
 use super::truth::{Effort, Watch, white_rings};
 use crate::diffusion::{HalfSpace, HalfSpaceError};
 use crate::medium::albedo_inversion::unreduced_share;
@@ -265,14 +265,13 @@ pub fn figure(sweep: &Sweep, points: &[SweepPoint]) -> Result<String, PlotError>
         style: Style { color: [0xaa, 0xaa, 0xaa], dashes: "2 2" },
         points: points.iter().map(|point| (point.value, 100.0 * point.result.noise)).collect(),
     });
-    let panel = |title: &str, y: Axis, lines, legend| Panel {
+    let panel = |title: &str, y: Axis, lines| Panel {
         title: title.into(),
         x: x(),
         y,
         lines,
         dots_name: String::new(),
         dots: Vec::<Dot>::new(),
-        legend,
     };
     let (low, high) = extent(&errors);
     let albedo_axis =
@@ -283,8 +282,8 @@ pub fn figure(sweep: &Sweep, points: &[SweepPoint]) -> Result<String, PlotError>
     let l1_axis =
         Axis { label: "L1 error [%]".into(), range: 0.7 * low.max(1e-3)..1.5 * high.max(1e-2), log: true };
     svg(&[
-        panel("error of the total albedo", albedo_axis, errors, Legend::Nowhere),
-        panel("L1 error of the profile", l1_axis, l1, Legend::LowerLeft),
+        panel("error of the total albedo", albedo_axis, errors),
+        panel("L1 error of the profile", l1_axis, l1),
     ])
 }
 
