@@ -262,7 +262,7 @@ fn an_interrupt_ends_with_130() {
     let folder = Folder::new();
     let mut child = Command::new(env!("CARGO_BIN_EXE_alabaster"))
         .current_dir(folder.0.path())
-        .args(["-v", "profile", "marble", "-o", "out", "--photons", "1000000000000", "--threads", "1"])
+        .args(["-v", "profile", "marble", "-o", "out", "--photons", "20000000", "--threads", "1"])
         .env_remove("RUST_LOG")
         .stderr(Stdio::piped())
         .spawn()
