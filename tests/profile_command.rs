@@ -221,7 +221,7 @@ fn wrong_command_lines_are_refused() {
         (&["--density", "2", "--sigma-a", "1", "--sigma-s", "1"], "--density goes with a measured material"),
         (&["marble", "--sigma-a", "1"], "given twice"),
         (&["--sigma-a", "1"], "--sigma-a goes with --sigma-s"),
-        (&["--mean-free-path", "1"], "--albedo goes with --mean-free-path"),
+        (&["--mean-free-path", "1"], "--mean-free-path goes with --albedo"),
         (&["--sigma-a", "-1", "--sigma-s", "1"], "sigma_a is -1"),
         (&["--sigma-a", "1", "--sigma-s", "NaN"], "sigma_s is NaN"),
         (&["--sigma-a", "1,2", "--sigma-s", "1"], "sigma_a has 2 values"),
@@ -264,6 +264,7 @@ fn an_interrupt_ends_with_130() {
         .current_dir(folder.0.path())
         .args(["-v", "profile", "marble", "-o", "out", "--photons", "20000000", "--threads", "1"])
         .env_remove("RUST_LOG")
+        .stdout(Stdio::null())
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();

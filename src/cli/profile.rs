@@ -39,10 +39,10 @@ pub struct ProfileArgs {
     #[arg(long, value_name = "N", default_value_t = 4_000_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000))]
     photons: u64,
     /// Fail, with exit code 1, if the L1 error of a model is larger than this share
-    #[arg(long, value_name = "X", value_parser = positive)]
+    #[arg(long, value_name = "X", value_parser = positive, allow_negative_numbers = true)]
     max_error: Option<f64>,
     /// Report the light beyond this radius, m
-    #[arg(long, value_name = "R", value_parser = positive)]
+    #[arg(long, value_name = "R", value_parser = positive, allow_negative_numbers = true)]
     cutoff: Option<f64>,
     /// Errors along a parameter: albedo (the reduced one), g or ior, as NAME=FROM:TO:COUNT
     #[arg(long, value_name = "SWEEP", conflicts_with = "fit")]
