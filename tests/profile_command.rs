@@ -142,6 +142,49 @@ fn every_way_to_give_a_medium_is_taken() {
     assert!((channel["mean_free_path_mm"].as_f64().unwrap() - 1.0).abs() < 1e-12);
 }
 
+/// An .mci file of `layers`, lengths in cm.
+fn mci(layers: &[&str]) -> String {
+    format!(
+        "1.0\n1\n# one run\na.mco A\n1000\n0.01 0.01\n10 10 10\n{}\n1.0\n{}\n1.0\n",
+        layers.len(),
+        layers.join("\n")
+    )
+}
+
+#[test]
+fn layers_of_mcml_are_half_spaces_or_slabs() {
+    let folder = Folder::new();
+    fs::write(folder.path("deep.mci"), mci(&["1.4 0.2 10 0.0 1e8"])).unwrap();
+    let deep = report(folder.profile(&["deep.mci", "--models", "dipole", "--json"]));
+    assert_eq!(deep["thickness_m"], Value::Null);
+    let channel = &deep["channels"][0];
+    // 1/cm are 100/m.
+    assert!((channel["sigma_a"].as_f64().unwrap() - 20.0).abs() < 1e-12);
+    assert!((channel["sigma_s"].as_f64().unwrap() - 1000.0).abs() < 1e-9);
+    fs::write(folder.path("thin.mci"), mci(&["1.4 0.2 10 0.0 0.5"])).unwrap();
+    let thin = report(folder.profile(&["thin.mci", "--json"]));
+    assert!((thin["thickness_m"].as_f64().unwrap() - 0.005).abs() < 1e-15);
+    let quantities: Vec<_> =
+        thin["channels"].as_array().unwrap().iter().map(|c| c["quantity"].as_str().unwrap()).collect();
+    assert_eq!(quantities, ["reflectance", "transmittance"]);
+    assert_eq!(thin["models"][0]["name"], "multipole");
+    let pictures = fs::read_to_string(folder.path("out/profile_log.svg")).unwrap();
+    assert!(pictures.contains("T(r) [1/mm²]"));
+}
+
+#[test]
+fn files_that_no_model_is_of_are_refused() {
+    let folder = Folder::new();
+    fs::write(folder.path("two.mci"), mci(&["1.4 0.2 10 0.0 0.5", "1.5 0.1 20 0.0 1e8"])).unwrap();
+    is_refused(&folder, &["two.mci"], "two.mci: run on line 4: there are 2 layers");
+    fs::write(folder.path("bad.mci"), mci(&["1.4 -0.2 10 0.0 0.5"])).unwrap();
+    is_refused(&folder, &["bad.mci"], "bad.mci: line 10");
+    fs::write(folder.path("thin.mci"), mci(&["1.4 0.2 10 0.0 0.5"])).unwrap();
+    is_refused(&folder, &["thin.mci", "--models", "dipole"], "dipole is a model of a half-space");
+    is_refused(&folder, &["thin.mci", "--sweep", "g=0:0.5:2"], "--sweep is of half-spaces");
+    is_refused(&folder, &["thin.mci", "--g", "0.5"], "leave out --g and --ior");
+}
+
 #[test]
 fn lengths_that_are_hardly_meant_are_said() {
     let folder = Folder::new();

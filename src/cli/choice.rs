@@ -37,6 +37,14 @@ pub fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A cosine of an angle below 90°.
+pub fn cosine(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number > 0.0 && number <= 1.0 => Ok(number),
+        _ => Err("a number above 0, 1 at most, is wanted".into()),
+    }
+}
+
 /// How a .png shows radiance.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub enum ViewChoice {

@@ -5,11 +5,15 @@ mod choice;
 mod console;
 mod error;
 mod materials;
+mod photon_progress;
 mod profile;
 mod profile_input;
 mod progress;
 mod render;
 mod report;
+mod slab;
+mod slab_outputs;
+mod slab_report;
 mod stop;
 mod threads;
 mod tonemap;
@@ -43,6 +47,8 @@ enum Command {
     Render(render::RenderArgs),
     /// Makes a .png picture for people of an .exr
     Tonemap(tonemap::TonemapArgs),
+    /// Walks photons through layers as an MCML input file (.mci) says: reflectance, transmittance, absorption
+    Slab(slab::SlabArgs),
     /// Studies diffusion profiles: every model of R(r) beside photon Monte Carlo, as tables and pictures
     Profile(profile::ProfileArgs),
     /// Lists the measured materials with their sources
@@ -73,6 +79,7 @@ fn run(command: Command) -> Result<(), CliError> {
     match command {
         Command::Render(args) => render::run(&args),
         Command::Tonemap(args) => tonemap::run(&args),
+        Command::Slab(args) => slab::run(&args),
         Command::Profile(args) => profile::run(&args),
         Command::Materials(args) => materials::run(&args),
     }

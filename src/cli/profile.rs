@@ -3,17 +3,15 @@
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::bar::Bar;
 use super::choice::positive;
 use super::console::{print_line, say};
 use super::error::CliError;
+use super::photon_progress::PhotonProgress;
 use super::profile_input::{MediumArgs, models};
-use super::progress::{duration, quantity};
 use super::stop::Stop;
 use super::threads::start_threads;
 use crate::diffusion::HalfSpace;
@@ -94,7 +92,7 @@ fn run_comparison(args: &ProfileArgs) -> Result<(), CliError> {
     let walks = if material.thickness.is_some() { 1 } else { truth::walks_needed(&material.channels) };
     let stop = Stop::on_signals()?;
     tracing::info!("walking photons");
-    let progress = Progress::start(walks * args.photons, args.quiet);
+    let progress = PhotonProgress::start(walks.saturating_mul(args.photons), "Monte Carlo", args.quiet);
     let advance = |added| progress.advance(added);
     let watch = Watch { advance: &advance, stop: &stop.now };
     let results = compare(&material, &settings, watch).map_err(CliError::input)?;
@@ -183,7 +181,8 @@ fn run_sweep(args: &ProfileArgs, sweep: &Sweep) -> Result<(), CliError> {
     make_directory(&args.output)?;
     let stop = Stop::on_signals()?;
     tracing::info!("walking photons");
-    let progress = Progress::start(sweep.walks_needed() * args.photons, args.quiet);
+    let progress =
+        PhotonProgress::start(sweep.walks_needed().saturating_mul(args.photons), "Monte Carlo", args.quiet);
     let advance = |added| progress.advance(added);
     let points = sweep::run(sweep, &base, &settings, Watch { advance: &advance, stop: &stop.now })
         .map_err(CliError::input)?;
@@ -334,28 +333,4 @@ fn interrupted(stop: &Stop) -> Result<(), CliError> {
         return Err(CliError::Interrupted("what was done, with fewer photons, is saved".into()));
     }
     Ok(())
-}
-
-/// Progress of the Monte Carlo, told from any thread.
-struct Progress {
-    photons: u64,
-    done: AtomicU64,
-    bar: Bar,
-}
-
-impl Progress {
-    fn start(photons: u64, quiet: bool) -> Self {
-        Self { photons, done: AtomicU64::new(0), bar: Bar::start(quiet) }
-    }
-
-    fn advance(&self, added: u64) {
-        let done = self.done.fetch_add(added, Ordering::Relaxed) + added;
-        self.bar.show(|| {
-            let seconds = self.bar.seconds();
-            let fraction = done as f64 / self.photons as f64;
-            let rate = quantity(done as f64 / seconds.max(1e-9));
-            let left = duration(seconds * (1.0 - fraction) / fraction);
-            (fraction, format!("{:.0} %, {rate}photons/s, {left} left", 100.0 * fraction))
-        });
-    }
 }

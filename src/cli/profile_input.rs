@@ -1,13 +1,13 @@
 //! What `alabaster profile` studies: material and models from the command line.
 
 use std::ffi::OsStr;
-use std::fs;
 use std::path::Path;
 
 use clap::{Args, ValueEnum};
 
 use super::error::CliError;
 use crate::medium::Entry;
+use crate::slab::read_mci;
 use crate::study::profile::{Coefficients, Material, MaterialError, ModelChoice};
 
 /// The medium of `profile`.
@@ -149,11 +149,24 @@ impl MediumArgs {
     }
 }
 
-/// The material of an .mci file.
+/// Metres in the unit of .mci files.
+const CENTIMETRE: f64 = 1e-2;
+
+/// The material of an .mci file of one run and one layer.
 fn read_layer(path: &Path) -> Result<Material, CliError> {
     let wrong = |problem: String| CliError::input(format!("{}: {problem}", path.display()));
-    fs::metadata(path).map_err(|error| wrong(format!("cannot be read: {error}")))?;
-    Err(wrong("files of MCML are not read yet; give --sigma-a and --sigma-s".into()))
+    let runs = read_mci(path).map_err(|error| wrong(error.to_string()))?;
+    let run = match &*runs {
+        [run] => run,
+        [_, second, ..] => {
+            let problem = format!("line {}: a second run begins; give a file of a single one", second.line);
+            return Err(wrong(problem));
+        }
+        [] => return Err(wrong("there is no run in it".into())),
+    };
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    Material::of_layer(&name, &run.stack, CENTIMETRE)
+        .map_err(|error| wrong(format!("run on line {}: {error}", run.line)))
 }
 
 fn input(error: MaterialError) -> CliError {

@@ -1,81 +1,36 @@
-//! How far a render is: a bar on a terminal, a line now and then elsewhere, on standard error.
+//! How far a render is.
 
-use std::io::{self, IsTerminal};
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
 
-use indicatif::{ProgressBar, ProgressStyle};
-
-use super::console::say;
+use super::bar::Bar;
 use crate::film::schedule::{Limits, Status};
-
-const BAR_LENGTH: u64 = 1000;
-const SECONDS_BETWEEN_REDRAWS: f64 = 0.1;
-const SECONDS_BETWEEN_LINES: f64 = 5.0;
 
 /// Progress of a render, told from any thread.
 pub struct Progress {
     limits: Limits,
     pixels: u64,
-    start: Instant,
     samples: AtomicU64,
     /// Bits of the latest error estimate.
     relative_error: AtomicU64,
-    display: Display,
-    /// When something is shown next, in seconds since the start.
-    next: Mutex<f64>,
-}
-
-enum Display {
-    Bar(ProgressBar),
-    Lines,
-    Nothing,
+    bar: Bar,
 }
 
 impl Progress {
     /// The start of a render of so many pixels.
     pub fn start(limits: Limits, pixels: u64, quiet: bool) -> Self {
-        let display = if quiet {
-            Display::Nothing
-        } else if io::stderr().is_terminal() {
-            Display::Bar(bar())
-        } else {
-            Display::Lines
-        };
-        let next = if matches!(display, Display::Lines) { SECONDS_BETWEEN_LINES } else { 0.0 };
         Self {
             limits,
             pixels,
-            start: Instant::now(),
             samples: AtomicU64::new(0),
             relative_error: AtomicU64::new(f64::INFINITY.to_bits()),
-            display,
-            next: Mutex::new(next),
+            bar: Bar::start(quiet),
         }
     }
 
     /// So many samples more, over all pixels.
     pub fn advance(&self, added: u64) {
         self.samples.fetch_add(added, Ordering::Relaxed);
-        // Whoever finds the lock taken leaves the showing to its holder.
-        let Ok(mut next) = self.next.try_lock() else { return };
-        let seconds = self.seconds();
-        if seconds < *next {
-            return;
-        }
-        match &self.display {
-            Display::Bar(bar) => {
-                bar.set_position((self.limits.fraction(&self.status()) * BAR_LENGTH as f64) as u64);
-                bar.set_message(self.message());
-                *next = seconds + SECONDS_BETWEEN_REDRAWS;
-            }
-            Display::Lines => {
-                say(&self.message());
-                *next = seconds + SECONDS_BETWEEN_LINES;
-            }
-            Display::Nothing => *next = f64::INFINITY,
-        }
+        self.bar.show(|| (self.limits.fraction(&self.status()), self.message()));
     }
 
     /// A new estimate of the relative error.
@@ -85,14 +40,12 @@ impl Progress {
 
     /// Takes the bar away.
     pub fn finish(&self) {
-        if let Display::Bar(bar) = &self.display {
-            bar.finish_and_clear();
-        }
+        self.bar.finish();
     }
 
     /// Seconds since the start.
     pub fn seconds(&self) -> f64 {
-        self.start.elapsed().as_secs_f64()
+        self.bar.seconds()
     }
 
     /// What has been done; samples per pixel are whole ones of the mean.
@@ -110,14 +63,6 @@ impl Progress {
     }
 }
 
-fn bar() -> ProgressBar {
-    let bar = ProgressBar::new(BAR_LENGTH);
-    match ProgressStyle::with_template("{bar:30} {msg}") {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
-}
-
 fn describe(limits: &Limits, status: &Status, samples_per_second: f64) -> String {
     let done = limits.fraction(status);
     let samples = match limits.samples {
@@ -128,11 +73,16 @@ fn describe(limits: &Limits, status: &Status, samples_per_second: f64) -> String
         error if error.is_finite() => format!("relative error {error:.3}"),
         _ => "relative error unknown yet".into(),
     };
-    let left = match status.seconds * (1.0 - done) / done {
+    let left = time_left(status.seconds, done);
+    format!("{:.0} %, {samples}, {}samples/s, {error}, {left}", 100.0 * done, quantity(samples_per_second))
+}
+
+/// How long it will take yet, when `seconds` have been spent on `done` of the work.
+pub fn time_left(seconds: f64, done: f64) -> String {
+    match seconds * (1.0 - done) / done {
         left if left.is_finite() => format!("{} left", duration(left)),
         _ => "time left unknown".into(),
-    };
-    format!("{:.0} %, {samples}, {}samples/s, {error}, {left}", 100.0 * done, quantity(samples_per_second))
+    }
 }
 
 /// A count to three digits, with the prefix of the unit that follows.

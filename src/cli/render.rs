@@ -12,6 +12,7 @@ use super::error::CliError;
 use super::progress::Progress;
 use super::report::{MadeBy, Report};
 use super::stop::Stop;
+use super::threads::start_threads;
 use crate::film::accumulator::MAX_SAMPLES;
 use crate::film::exr::Attribute;
 use crate::film::layers::Channel;
@@ -118,14 +119,6 @@ fn render_with<C: RayCaster>(
     let film = Film::new(scene.film.width, scene.film.height)?;
     let renderer = Renderer::new(scene, options, build)?;
     render_and_save(args, &renderer, film)
-}
-
-fn start_threads(threads: Option<u16>) -> Result<(), CliError> {
-    // 0: as many as the machine has.
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads.unwrap_or(0).into())
-        .build_global()
-        .map_err(|error| CliError::machine(format!("threads cannot be started: {error}")))
 }
 
 fn scene_with_overrides(args: &RenderArgs) -> Result<Scene, CliError> {

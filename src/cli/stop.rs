@@ -1,4 +1,4 @@
-//! What ends a render early: a signal, or its time being up.
+//! What ends work early: a signal, or its time being up.
 
 use std::process;
 use std::sync::Arc;
@@ -7,16 +7,16 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::console::say;
 use super::error::{CliError, Exit};
 
-/// Flags that the render loop looks at.
+/// Flags that whatever takes long looks at.
 #[derive(Clone, Debug, Default)]
 pub struct Stop {
-    /// No further samples are wanted.
+    /// No further samples or photons are wanted.
     pub now: Arc<AtomicBool>,
     interrupted: Arc<AtomicBool>,
 }
 
 impl Stop {
-    /// Listens for Ctrl-C, SIGTERM and SIGHUP: the first one stops the render, a second one ends the
+    /// Listens for Ctrl-C, SIGTERM and SIGHUP: the first one stops the work, a second one ends the
     /// program on the spot.
     pub fn on_signals() -> Result<Self, CliError> {
         let stop = Self::default();

@@ -4,14 +4,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::walk::{Observer, Walk};
+use super::walk::{Observer, Walk, random_stream};
 
 /// A Monte Carlo estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Estimate {
     /// Mean.
     pub value: f64,
-    /// Standard error of the mean (one σ).
+    /// Standard error of the mean (one σ); infinite if a single batch of packets cannot tell.
     #[serde(rename = "stderr")]
     pub standard_error: f64,
 }
@@ -38,6 +38,9 @@ pub const BATCHES: u64 = 256;
 /// Batches whose scores are held at the same time.
 const ROUND: u64 = 32;
 
+/// Packets between two looks at whether to stop.
+const SLICE: u64 = 1 << 10;
+
 /// What was estimated.
 pub struct Outcome {
     /// Per packet, one for each sum of the observer.
@@ -49,8 +52,8 @@ pub struct Outcome {
 /// Walks `photons` packets in [`BATCHES`] batches on all threads; `observer` makes an empty observer.
 ///
 /// Batch k uses stream k of `seed`, and batches are summed in order: the result depends on nothing else.
-/// `advance` is told the packets of each batch that is done. When `stop` becomes true, the rounds that
-/// are done count, if there are any.
+/// `advance` is told now and then how many packets more are done. When `stop` becomes true, those that have
+/// been walked count.
 pub fn estimate<S: Scores>(
     walk: &Walk,
     photons: u64,
@@ -62,9 +65,15 @@ pub fn estimate<S: Scores>(
     let batch = |k: u64| {
         let count = photons / BATCHES + u64::from(k < photons % BATCHES);
         let mut scores = observer();
-        walk.run(count, seed, k, &mut scores);
-        advance(count);
-        (count, scores.sums())
+        let mut random = random_stream(seed, k);
+        let mut done = 0;
+        while done < count && !stop.load(Ordering::Relaxed) {
+            let slice = SLICE.min(count - done);
+            walk.go_on(slice, &mut random, &mut scores);
+            done += slice;
+            advance(slice);
+        }
+        (done, scores.sums())
     };
     let mut moments = Moments::default();
     for first in (0..BATCHES).step_by(ROUND as usize) {
@@ -105,10 +114,12 @@ impl Moments {
     /// from B batches is (Σ s_b²/n_b − N m²)/(B − 1).
     fn estimates(&self) -> Vec<Estimate> {
         let photons = self.photons as f64;
-        let degrees = (self.batches.saturating_sub(1)) as f64;
+        let degrees = self.batches.saturating_sub(1) as f64;
         let estimate = |(sum, square): (&f64, &f64)| {
             let value = sum / photons;
-            let variance = ((square - value * sum) / degrees).max(0.0);
+            // Rounding may make it negative.
+            let variance =
+                if degrees > 0.0 { ((square - value * sum) / degrees).max(0.0) } else { f64::INFINITY };
             Estimate { value, standard_error: (variance / photons).sqrt() }
         };
         self.sums.iter().zip(&self.squares).map(estimate).collect()

@@ -1,7 +1,12 @@
 //! Photon Monte Carlo in layered slabs: the truth for diffusion profiles.
 
+pub mod csv;
 pub mod estimate;
 pub mod layers;
+mod lines;
+pub mod mci;
+pub mod mco;
+pub mod scattered;
 pub mod tally;
 pub mod walk;
 pub mod white;
@@ -10,7 +15,9 @@ use std::sync::atomic::AtomicBool;
 
 pub use estimate::{BATCHES, Estimate, Outcome, Scores, estimate};
 pub use layers::{Layer, LayerError, LayerStack};
-pub use tally::{Grid, Inside, Leaving, Pieces, Scattered, Tally};
+pub use mci::{MciError, MciRun, read_mci};
+pub use scattered::{Inside, Leaving, Scattered};
+pub use tally::{Grid, Pieces, Tally};
 pub use walk::{Face, Observer, Photon, Roulette, Source, Walk};
 
 /// What is to be simulated.

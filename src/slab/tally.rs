@@ -3,7 +3,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use super::estimate::{Estimate, Scores};
+use super::estimate::Scores;
 use super::layers::LayerStack;
 use super::walk::{Face, Observer, Photon};
 
@@ -88,6 +88,16 @@ impl Pieces {
         Self { grid, pieces, first, constants: constants.collect() }
     }
 
+    /// The bins.
+    pub fn grid(&self) -> Grid {
+        self.grid
+    }
+
+    /// Number of layers.
+    pub fn layers(&self) -> usize {
+        self.constants.len()
+    }
+
     fn index(&self, layer: usize, z: f64) -> usize {
         let (first, sheet) = self.first[layer];
         // Rounding at the upper face may point to the sheet above.
@@ -98,7 +108,7 @@ impl Pieces {
 
 /// Where single numbers stand in the sums.
 #[derive(Clone, Copy)]
-enum Total {
+pub(super) enum Total {
     Specular,
     Diffuse,
     SingleDiffuse,
@@ -109,9 +119,10 @@ enum Total {
     Collisions,
     DiffusePath,
     TransmittedPath,
+    Accounted,
 }
 
-const TOTALS: usize = 10;
+pub(super) const TOTALS: usize = 11;
 
 /// Counts of one batch.
 #[derive(Clone, Debug)]
@@ -121,6 +132,8 @@ pub struct Tally<'a> {
     /// [ring, overflow included][angle], ring-major: what left at the top, and at the bottom.
     reflected: Vec<f64>,
     transmitted: Vec<f64>,
+    /// [ring, overflow included][angle]: what left at the bottom without a collision.
+    unscattered: Vec<f64>,
     /// By ring: what left at the top after one collision.
     single: Vec<f64>,
     /// [piece][ring, overflow included]: weight that collided.
@@ -136,6 +149,7 @@ impl<'a> Tally<'a> {
             totals: [0.0; TOTALS],
             reflected: vec![0.0; (radial + 1) * angular],
             transmitted: vec![0.0; (radial + 1) * angular],
+            unscattered: vec![0.0; (radial + 1) * angular],
             single: vec![0.0; radial + 1],
             collided: vec![0.0; pieces.pieces.len() * (radial + 1)],
         }
@@ -176,14 +190,13 @@ impl Observer for Tally<'_> {
                 self.add(Total::Transmitted, weight);
                 self.add(Total::TransmittedPath, weight * path_length);
                 match collisions {
-                    // The unscattered beam is a line, not a density.
                     0 => self.add(Total::Unscattered, weight),
                     1 => self.add(Total::SingleTransmitted, weight),
                     _ => {}
                 }
-                if collisions > 0 {
-                    self.transmitted[cell] += weight;
-                }
+                // The unscattered beam is a line, not a density: it is kept apart.
+                let cells = if collisions > 0 { &mut self.transmitted } else { &mut self.unscattered };
+                cells[cell] += weight;
             }
         }
     }
@@ -214,6 +227,8 @@ impl Scores for Tally<'_> {
         let mut totals = self.totals;
         totals[Total::Absorbed as usize] = layer_absorbed.iter().sum();
         totals[Total::Collisions as usize] = collisions;
+        let fates = [Total::Specular, Total::Diffuse, Total::Transmitted, Total::Absorbed];
+        totals[Total::Accounted as usize] = fates.map(|fate| totals[fate as usize]).iter().sum();
         let mut sums = totals.to_vec();
         sums.extend(layer_absorbed);
         for cells in [&self.reflected, &self.transmitted] {
@@ -221,6 +236,7 @@ impl Scores for Tally<'_> {
             sums.extend(column_sums(cells, grid.angular));
             sums.extend(cells);
         }
+        sums.extend(&self.unscattered);
         sums.extend(&self.single);
         for cells in [&absorbed, &fluence] {
             sums.extend(cells.chunks(rings).map(|row| row.iter().sum::<f64>()));
@@ -232,162 +248,4 @@ impl Scores for Tally<'_> {
 
 fn column_sums(cells: &[f64], columns: usize) -> impl Iterator<Item = f64> {
     (0..columns).map(move |c| cells.iter().skip(c).step_by(columns).sum())
-}
-
-/// Light that left through one face, per photon sent in.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Leaving {
-    /// By ring, per area; the unscattered beam is not in it.
-    pub by_radius: Vec<Estimate>,
-    /// By angular bin, per solid angle (1/sr).
-    pub by_angle: Vec<Estimate>,
-    /// [ring][angular bin], per area and solid angle.
-    pub by_radius_and_angle: Vec<Estimate>,
-    /// What left beyond the last ring.
-    pub beyond: Estimate,
-}
-
-/// A quantity inside, per photon sent in.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Inside {
-    /// By sheet, integrated over the plane, per depth.
-    pub by_depth: Vec<Estimate>,
-    /// [sheet][ring], per volume.
-    pub by_depth_and_radius: Vec<Estimate>,
-    /// What lies below the last sheet.
-    pub beyond: Estimate,
-}
-
-/// Everything that was estimated, per photon sent in.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Scattered {
-    /// The bins.
-    pub grid: Grid,
-    /// Reflected before any layer that absorbs or scatters was met.
-    pub specular: Estimate,
-    /// Left at the top otherwise.
-    pub diffuse_reflectance: Estimate,
-    /// The part of it that collided once.
-    pub single_scattering_reflectance: Estimate,
-    /// Left at the bottom, the unscattered beam included.
-    pub transmitted: Estimate,
-    /// The part of it that did not collide.
-    pub unscattered_transmittance: Estimate,
-    /// The part of it that collided once.
-    pub single_scattering_transmittance: Estimate,
-    /// Absorbed.
-    pub absorbed: Estimate,
-    /// Absorbed, by layer.
-    pub absorbed_by_layer: Vec<Estimate>,
-    /// Mean number of collisions of a photon (an analog one: the weights that collided, added up).
-    pub collisions_per_photon: Estimate,
-    /// Mean length of the way of what left at the top, times its share; divide by the share for the mean.
-    pub reflected_path_length: Estimate,
-    /// The same at the bottom.
-    pub transmitted_path_length: Estimate,
-    /// What left at the top.
-    pub reflected: Leaving,
-    /// By ring, per area: what left at the top after one collision.
-    pub single_by_radius: Vec<Estimate>,
-    /// What left at the bottom.
-    pub leaving_below: Leaving,
-    /// Absorbed light; by depth 1/length, by depth and radius 1/length³.
-    pub absorption: Inside,
-    /// Fluence; by depth without unit, by depth and radius 1/length².
-    pub fluence: Inside,
-}
-
-/// Takes the estimates apart in the order in which [`Tally::sums`] put the sums together.
-struct Reader<'a> {
-    rest: &'a [Estimate],
-}
-
-impl Reader<'_> {
-    fn take(&mut self, count: usize) -> Vec<Estimate> {
-        let (taken, rest) = self.rest.split_at(count.min(self.rest.len()));
-        self.rest = rest;
-        let mut taken = taken.to_vec();
-        // Nothing was estimated: no packet was walked.
-        taken.resize(count, Estimate::default());
-        taken
-    }
-
-    /// `count` estimates and one more.
-    fn take_with_beyond(&mut self, count: usize) -> (Vec<Estimate>, Estimate) {
-        let mut taken = self.take(count + 1);
-        let beyond = taken.pop().unwrap_or_default();
-        (taken, beyond)
-    }
-
-    fn leaving(&mut self, grid: &Grid) -> Leaving {
-        let per_area = |i: usize| 1.0 / grid.ring_area(i);
-        let per_angle = |i: usize| 1.0 / grid.solid_angle(i);
-        let (by_radius, beyond) = self.take_with_beyond(grid.radial);
-        let by_angle = self.take(grid.angular);
-        let mut cells = self.take((grid.radial + 1) * grid.angular);
-        cells.truncate(grid.radial * grid.angular);
-        let cell = |i: usize| per_area(i / grid.angular) * per_angle(i % grid.angular);
-        Leaving {
-            by_radius: scaled(by_radius, per_area),
-            by_angle: scaled(by_angle, per_angle),
-            by_radius_and_angle: scaled(cells, cell),
-            beyond,
-        }
-    }
-
-    fn inside(&mut self, grid: &Grid) -> Inside {
-        let (by_depth, beyond) = self.take_with_beyond(grid.depth);
-        let rows = self.take((grid.depth + 1) * (grid.radial + 1));
-        let cells: Vec<Estimate> = rows
-            .chunks(grid.radial + 1)
-            .take(grid.depth)
-            .flat_map(|row| &row[..grid.radial])
-            .copied()
-            .collect();
-        let per_depth = 1.0 / grid.depth_step;
-        Inside {
-            by_depth: scaled(by_depth, |_| per_depth),
-            by_depth_and_radius: scaled(cells, |i| per_depth / grid.ring_area(i % grid.radial)),
-            beyond,
-        }
-    }
-}
-
-fn scaled(estimates: Vec<Estimate>, factor: impl Fn(usize) -> f64) -> Vec<Estimate> {
-    estimates.into_iter().enumerate().map(|(i, estimate)| estimate * factor(i)).collect()
-}
-
-impl Scattered {
-    /// From the estimates of [`Tally`]'s sums.
-    pub fn new(pieces: &Pieces, estimates: &[Estimate]) -> Self {
-        let grid = pieces.grid;
-        let mut reader = Reader { rest: estimates };
-        let totals = reader.take(TOTALS);
-        let total = |which: Total| totals[which as usize];
-        let absorbed_by_layer = reader.take(pieces.constants.len());
-        let reflected = reader.leaving(&grid);
-        let leaving_below = reader.leaving(&grid);
-        let (single, _) = reader.take_with_beyond(grid.radial);
-        let absorption = reader.inside(&grid);
-        let fluence = reader.inside(&grid);
-        Self {
-            grid,
-            specular: total(Total::Specular),
-            diffuse_reflectance: total(Total::Diffuse),
-            single_scattering_reflectance: total(Total::SingleDiffuse),
-            transmitted: total(Total::Transmitted),
-            unscattered_transmittance: total(Total::Unscattered),
-            single_scattering_transmittance: total(Total::SingleTransmitted),
-            absorbed: total(Total::Absorbed),
-            absorbed_by_layer,
-            collisions_per_photon: total(Total::Collisions),
-            reflected_path_length: total(Total::DiffusePath),
-            transmitted_path_length: total(Total::TransmittedPath),
-            reflected,
-            single_by_radius: scaled(single, |i| 1.0 / grid.ring_area(i)),
-            leaving_below,
-            absorption,
-            fluence,
-        }
-    }
 }

@@ -127,6 +127,12 @@ struct Walker<'a, O> {
     next_roulette: u64,
 }
 
+/// The random numbers of one stream of `seed`.
+pub fn random_stream(seed: u64, stream: u64) -> Xoshiro256PlusPlus {
+    // Any odd factor keeps the streams of one seed apart; the generator hashes its seed.
+    Xoshiro256PlusPlus::seed_from_u64(seed ^ stream.wrapping_mul(0x9e37_79b9_7f4a_7c15))
+}
+
 /// Uniform in [0, 1), on a grid of 2⁻⁵³.
 #[inline]
 fn uniform(random: &mut Xoshiro256PlusPlus) -> f64 {
@@ -176,12 +182,15 @@ impl Walk {
     /// Walks `photons` packets with the random stream number `stream` of `seed`. What happens is a
     /// function of these three numbers alone.
     pub fn run<O: Observer>(&self, photons: u64, seed: u64, stream: u64, observer: &mut O) {
-        // Any odd factor keeps the streams of one seed apart; the generator hashes its seed.
-        let mut random = Xoshiro256PlusPlus::seed_from_u64(seed ^ stream.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        self.go_on(photons, &mut random_stream(seed, stream), observer);
+    }
+
+    /// Walks `photons` packets more with the random numbers that follow.
+    pub fn go_on<O: Observer>(&self, photons: u64, random: &mut Xoshiro256PlusPlus, observer: &mut O) {
         for _ in 0..photons {
-            let Some(photon) = self.enter(&mut random, observer) else { continue };
+            let Some(photon) = self.enter(random, observer) else { continue };
             let next_roulette = self.roulette.collisions;
-            Walker { walk: self, random: &mut random, observer, photon, next_roulette }.run();
+            Walker { walk: self, random, observer, photon, next_roulette }.run();
         }
     }
 
