@@ -24,12 +24,15 @@ pub fn style(choice: ModelChoice) -> Style {
     Style { color, dashes }
 }
 
+/// Makes one kind of picture.
+type ToPanel = fn(&View) -> Panel;
+
 /// The four pictures of `results`, a panel for each: names and contents of the files.
 ///
 /// # Errors
 /// If a picture cannot be drawn.
 pub fn figures(results: &[ChannelResult]) -> Result<Vec<(&'static str, String)>, PlotError> {
-    let kinds: [(&'static str, fn(&View) -> Panel); 4] = [
+    let kinds: [(&'static str, ToPanel); 4] = [
         ("profile_log.svg", logarithmic),
         ("profile_linear.svg", linear),
         ("profile_radius_times_r.svg", radius_times_density),
