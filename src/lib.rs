@@ -16,4 +16,5 @@ pub mod radiometry;
 pub mod raycast;
 pub mod scene;
 pub mod slab;
+pub mod study;
 pub mod transport;

@@ -16,6 +16,8 @@ use crate::transport::RenderError;
 pub enum Exit {
     /// The command did what it was asked for.
     Done = 0,
+    /// A check that was asked for failed.
+    Failed = 1,
     /// The command line or an input file is wrong.
     Input = 2,
     /// The machine failed.
@@ -33,6 +35,9 @@ impl From<Exit> for ExitCode {
 /// Why a command did not do what it was asked for.
 #[derive(Debug, Error)]
 pub enum CliError {
+    /// A check that was asked for failed; everything else was done.
+    #[error("{0}")]
+    Failed(String),
     /// The command line or an input file is wrong.
     #[error("{0}")]
     Input(String),
@@ -58,6 +63,7 @@ impl CliError {
     /// The exit code.
     pub fn exit(&self) -> Exit {
         match self {
+            Self::Failed(_) => Exit::Failed,
             Self::Input(_) => Exit::Input,
             Self::Machine(_) => Exit::Machine,
             Self::Interrupted(_) => Exit::Interrupted,
@@ -66,7 +72,11 @@ impl CliError {
 
     /// The one message, on standard error.
     pub fn print(&self) {
-        let label = if matches!(self, Self::Interrupted(_)) { "" } else { "error: " };
+        let label = match self {
+            Self::Failed(_) => "failed: ",
+            Self::Input(_) | Self::Machine(_) => "error: ",
+            Self::Interrupted(_) => "",
+        };
         say(&format!("{label}{self}"));
     }
 }

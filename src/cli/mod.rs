@@ -5,6 +5,9 @@ mod choice;
 mod console;
 mod error;
 mod materials;
+mod photon_progress;
+mod profile;
+mod profile_input;
 mod progress;
 mod render;
 mod report;
@@ -46,6 +49,8 @@ enum Command {
     Tonemap(tonemap::TonemapArgs),
     /// Walks photons through layers as an MCML input file (.mci) says: reflectance, transmittance, absorption
     Slab(slab::SlabArgs),
+    /// Studies diffusion profiles: every model of R(r) beside photon Monte Carlo, as tables and pictures
+    Profile(profile::ProfileArgs),
     /// Lists the measured materials with their sources
     Materials(materials::MaterialsArgs),
 }
@@ -75,6 +80,7 @@ fn run(command: Command) -> Result<(), CliError> {
         Command::Render(args) => render::run(&args),
         Command::Tonemap(args) => tonemap::run(&args),
         Command::Slab(args) => slab::run(&args),
+        Command::Profile(args) => profile::run(&args),
         Command::Materials(args) => materials::run(&args),
     }
 }

@@ -1,15 +1,13 @@
 //! `alabaster slab`.
 
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use clap::{Args, ValueEnum};
 
-use super::bar::Bar;
 use super::choice::cosine;
 use super::console::print_line;
 use super::error::CliError;
-use super::progress::{quantity, time_left};
+use super::photon_progress::PhotonProgress;
 use super::slab_outputs::{Finished, Outputs};
 use super::slab_report::{RunReport, reports_json};
 use super::stop::Stop;
@@ -119,7 +117,7 @@ fn simulate(
         seed: args.seed.wrapping_add(number),
     };
     tracing::info!("{label}: {} photons", simulation.photons);
-    let progress = Progress::start(simulation.photons, label, args.quiet);
+    let progress = PhotonProgress::start(simulation.photons, label, args.quiet);
     let (scattered, photons) = simulation.run(|added| progress.advance(added), &stop.now);
     progress.bar.finish();
     let seconds = progress.bar.seconds();
@@ -136,29 +134,4 @@ fn interrupted(reports: &[RunReport], runs: usize) -> CliError {
             last.photons_asked_for
         ),
     })
-}
-
-/// Progress of a run, told from any thread.
-struct Progress<'a> {
-    label: &'a str,
-    photons: u64,
-    done: AtomicU64,
-    bar: Bar,
-}
-
-impl<'a> Progress<'a> {
-    fn start(photons: u64, label: &'a str, quiet: bool) -> Self {
-        Self { label, photons, done: AtomicU64::new(0), bar: Bar::start(quiet) }
-    }
-
-    fn advance(&self, added: u64) {
-        let done = self.done.fetch_add(added, Ordering::Relaxed) + added;
-        self.bar.show(|| {
-            let seconds = self.bar.seconds();
-            let fraction = done as f64 / self.photons as f64;
-            let rate = quantity(done as f64 / seconds.max(1e-9));
-            let left = time_left(seconds, fraction);
-            (fraction, format!("{}: {:.0} %, {rate}photons/s, {left}", self.label, 100.0 * fraction))
-        });
-    }
 }
