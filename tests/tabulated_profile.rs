@@ -1,10 +1,10 @@
-//! The tabulated profile is within 1 % of photon Monte Carlo, summed over rings, between the nodes of its table too.
+//! The tabulated profile follows photon Monte Carlo between the nodes of its table, to 1 % summed over rings.
 
 use std::sync::atomic::AtomicBool;
 
 use alabaster::diffusion::{Profile, tabulated};
 use alabaster::medium::Entry;
-use alabaster::slab::white::{RINGS, RINGS_PER_DECADE, WhiteTally, ring_edge, white_walk};
+use alabaster::slab::white::{RINGS, WhiteTally, ring_edge, white_walk};
 use alabaster::slab::{Estimate, Source, estimate};
 
 /// Rings of a twelfth of a decade between these radii, in mean free paths.
@@ -51,34 +51,51 @@ fn truth(half_space: &HalfSpace, shares: &[f64], photons: u64) -> Vec<Vec<Estima
     outcome.estimates[..shares.len() * RINGS].chunks(RINGS).map(<[Estimate]>::to_vec).collect()
 }
 
+/// 1 − α', from white to nearly black.
+const ABSORBED: [f64; 9] = [3e-5, 1e-3, 0.01, 0.1, 0.3, 0.5, 0.8, 0.93, 0.99];
+
+/// Largest error where 1 − α' is at most a half. Darker media send next to nothing back, and what they send was walked less often.
+const LARGEST_ERROR: f64 = 0.01;
+const LARGEST_ERROR_OF_DARK: f64 = 0.04;
+
+/// Compares between the nodes of η and g. What is measured is at most the error of the table and that of the walk together.
+fn assert_follows(entry: Entry, media: &[(f64, f64)], photons: u64) {
+    for &(eta, g) in media {
+        let half_space = HalfSpace { entry, eta, g };
+        let shares = ABSORBED.map(|a| a * (1.0 - g) / (1.0 - g * a));
+        for ((absorbed, share), rings) in
+            ABSORBED.iter().zip(shares).zip(truth(&half_space, &shares, photons))
+        {
+            let (error, noise) = l1_error(&half_space, share, &rings);
+            println!("{entry:?} η {eta} g {g} 1 − α' {absorbed}: {error:.4}, of which noise {noise:.4}");
+            let largest = if *absorbed <= 0.5 { LARGEST_ERROR } else { LARGEST_ERROR_OF_DARK };
+            assert!(error <= largest + noise, "{entry:?} η {eta} g {g} 1 − α' {absorbed}: {error} ({noise})");
+        }
+    }
+}
+
 #[test]
-fn table_follows_monte_carlo_between_its_nodes() {
-    assert_eq!(RINGS_PER_DECADE, 24);
+fn diffuse_light_between_the_nodes() {
+    assert_follows(
+        Entry::Diffuse,
+        &[(0.7, 0.0), (1.33, 0.0), (1.5, 0.3), (1.4, 0.75), (1.2, 0.87)],
+        1_000_000,
+    );
+}
+
+#[test]
+fn a_pencil_beam_between_the_nodes() {
+    assert_follows(Entry::Normal, &[(0.9, 0.2), (1.03, 0.0), (1.5, 0.0), (1.33, 0.56)], 1_000_000);
+}
+
+#[test]
+#[ignore = "ten minutes"]
+fn everything_between_the_nodes() {
     for entry in [Entry::Normal, Entry::Diffuse] {
-        for (eta, g) in [
-            (0.7, 0.0),
-            (0.9, 0.0),
-            (1.0, 0.0),
-            (1.03, 0.0),
-            (1.1, 0.0),
-            (1.33, 0.0),
-            (1.5, 0.0),
-            (1.8, 0.0),
-            (1.4, 0.2),
-            (1.4, 0.56),
-            (1.4, 0.75),
-            (1.4, 0.87),
-        ] {
-            let half_space = HalfSpace { entry, eta, g };
-            let reduced = [3e-5, 2e-4, 0.001, 0.01, 0.05, 0.1, 0.3, 0.5, 0.8, 0.93, 0.99];
-            let shares = reduced.map(|a: f64| a * (1.0 - g) / (1.0 - g * a));
-            let rows = truth(&half_space, &shares, 4_000_000);
-            print!("{entry:?} eta {eta} g {g}:");
-            for (share, rings) in shares.iter().zip(&rows) {
-                let (error, noise) = l1_error(&half_space, *share, rings);
-                print!(" {error:.4}({noise:.4})");
+        for eta in [0.65, 0.9, 1.0, 1.03, 1.1, 1.2, 1.33, 1.5, 1.8, 2.0] {
+            for g in [0.0, 0.1, 0.25, 0.56, 0.75, 0.87] {
+                assert_follows(entry, &[(eta, g)], 3_000_000);
             }
-            println!();
         }
     }
 }

@@ -3,9 +3,6 @@
 use super::ModelKind;
 use super::tabulated;
 
-/// Whether the table is good enough to be the choice.
-const TABLE_IS_COMPLETE: bool = false;
-
 /// A diffusion profile by how it is made: from an analytic model, or from Monte Carlo.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ProfileKind {
@@ -27,14 +24,7 @@ impl ProfileKind {
     /// The profile for half-spaces of relative index `eta` and mean cosine `g`: the tabulated one, which is
     /// the truth up to interpolation, where the table [covers](tabulated::covers) them, and the most accurate
     /// of the models elsewhere. Whatever the albedo: it may vary over a surface and between its channels.
-    /// Until the table is complete, normalized diffusion.
     pub fn automatic(eta: f64, g: f64) -> Self {
-        if !TABLE_IS_COMPLETE {
-            Self::Model(ModelKind::NormalizedDiffusion)
-        } else if tabulated::covers(eta, g) {
-            Self::Tabulated
-        } else {
-            Self::Model(ModelKind::PhotonBeam)
-        }
+        if tabulated::covers(eta, g) { Self::Tabulated } else { Self::Model(ModelKind::PhotonBeam) }
     }
 }
