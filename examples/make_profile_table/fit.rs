@@ -6,13 +6,16 @@ use alabaster::slab::white::{RINGS, RINGS_PER_DECADE, ring_edge};
 /// Shares of the energy, on either side, below which a cumulative energy rests on too few packets: it is continued from there.
 const LEAST_INSIDE: f64 = 3e-4;
 const LEAST_OUTSIDE: f64 = 1e-4;
+/// The same where nothing is absorbed: so far out few packets count, and much each.
+const LEAST_OUTSIDE_OF_WHITE: f64 = 5e-3;
 
 /// Rings on either side of a knot from which its logit is found.
 const WINDOW: usize = RINGS_PER_DECADE / 8;
 
 /// Logits of the share of energy within the radii of the knots. `rings` holds the energy by ring, in
-/// mean free paths; `reduced` is the reduced extinction coefficient over the extinction coefficient.
-pub fn logits(rings: &[f64], reduced: f64) -> [f64; KNOTS] {
+/// mean free paths; `reduced` is the reduced extinction coefficient over the extinction coefficient; `absorbs` is false
+/// for the row without absorption.
+pub fn logits(rings: &[f64], reduced: f64, absorbs: bool) -> [f64; KNOTS] {
     let inside: Vec<f64> = rings
         .iter()
         .scan(0.0, |sum, e| {
@@ -30,9 +33,10 @@ pub fn logits(rings: &[f64], reduced: f64) -> [f64; KNOTS] {
         })
         .collect();
     outside.reverse();
+    let least_outside = if absorbs { LEAST_OUTSIDE } else { LEAST_OUTSIDE_OF_WHITE };
     // At the outer edges of the rings that have one.
     let edges: Vec<(f64, f64)> = (0..RINGS - 1)
-        .filter(|&i| inside[i] > LEAST_INSIDE * total && outside[i] > LEAST_OUTSIDE * total)
+        .filter(|&i| inside[i] > LEAST_INSIDE * total && outside[i] > least_outside * total)
         .map(|i| ((ring_edge(i) * reduced).ln(), (inside[i] / outside[i]).ln()))
         .collect();
     std::array::from_fn(|k| at(&edges, knot_radius(k).ln()))

@@ -29,7 +29,7 @@ fn main() -> io::Result<()> {
                 for (row, rings) in rings.iter().enumerate().take(ROWS) {
                     // σ_t'/σ_t = 1 − ωg.
                     let omega = 1.0 - absorbed_share_of_row(row, g);
-                    let logits = fit::logits(rings, 1.0 - omega * g);
+                    let logits = fit::logits(rings, 1.0 - omega * g, row > 0);
                     bytes.extend(logits.iter().flat_map(|s| (*s as f32).to_le_bytes()));
                 }
             }
