@@ -6,8 +6,8 @@ use alabaster::slab::white::{RINGS, RINGS_PER_DECADE, ring_edge};
 /// Shares of the energy, on either side, below which a cumulative energy rests on too few packets: it is continued from there.
 const LEAST_INSIDE: f64 = 3e-4;
 const LEAST_OUTSIDE: f64 = 1e-4;
-/// The same where nothing is absorbed: so far out few packets count, and much each.
-const LEAST_OUTSIDE_OF_WHITE: f64 = 5e-3;
+/// The same where nothing is absorbed: far out few packets count there, and much each, while 1 − F ~ 1/r.
+const LEAST_OUTSIDE_OF_WHITE: f64 = 0.03;
 
 /// Rings on either side of a knot from which its logit is found.
 const WINDOW: usize = RINGS_PER_DECADE / 8;
@@ -39,11 +39,11 @@ pub fn logits(rings: &[f64], reduced: f64, absorbs: bool) -> [f64; KNOTS] {
         .filter(|&i| inside[i] > LEAST_INSIDE * total && outside[i] > least_outside * total)
         .map(|i| ((ring_edge(i) * reduced).ln(), (inside[i] / outside[i]).ln()))
         .collect();
-    std::array::from_fn(|k| at(&edges, knot_radius(k).ln()))
+    std::array::from_fn(|k| at(&edges, knot_radius(k).ln(), absorbs))
 }
 
 /// The logit at `position` = ln r, from logits at equidistant `edges`.
-fn at(edges: &[(f64, f64)], position: f64) -> f64 {
+fn at(edges: &[(f64, f64)], position: f64, absorbs: bool) -> f64 {
     let (first, last) = (edges[0], edges[edges.len() - 1]);
     if position <= first.0 {
         // The pole R ~ 1/r of light scattered once: F in proportion to r.
@@ -53,7 +53,7 @@ fn at(edges: &[(f64, f64)], position: f64) -> f64 {
         // Far out 1 − F ~ e^(−κr)/r, with κ = 0 where nothing is absorbed, so s − ℓ grows in proportion to r.
         let before = edges[edges.len() - 1 - RINGS_PER_DECADE / 3];
         let rise = (last.1 - last.0) - (before.1 - before.0);
-        let rate = (rise / (last.0.exp() - before.0.exp())).max(0.0);
+        let rate = if absorbs { (rise / (last.0.exp() - before.0.exp())).max(0.0) } else { 0.0 };
         return last.1 + (position - last.0) + rate * (position.exp() - last.0.exp());
     }
     let step = edges[1].0 - edges[0].0;
