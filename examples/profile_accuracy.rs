@@ -9,16 +9,18 @@
 
 use std::sync::atomic::AtomicBool;
 
-use alabaster::diffusion::integrate::{energy_between, total_energy};
-use alabaster::diffusion::normalized_diffusion::{Fit, NormalizedDiffusionModel};
 use alabaster::diffusion::{
-    BetterDipole, DiffusionModel, Dipole, HalfSpace, PhotonBeam, Profile, UniformlyLitDirectionalDipole,
-    tabulated,
+    BetterDipole, DiffusionModel, Dipole, Fit, HalfSpace, NormalizedDiffusionModel, PhotonBeam,
+    UniformlyLitDirectionalDipole,
 };
-use alabaster::medium::Entry;
-use alabaster::medium::PlaneParallel;
-use alabaster::slab::white::{RINGS, WhiteTally, ring_edge, white_walk};
-use alabaster::slab::{Estimate, Source, estimate};
+use alabaster::medium::albedo_inversion::unreduced_share;
+use alabaster::medium::{Entry, PlaneParallel};
+use alabaster::slab::LayerError;
+use alabaster::study::profile::comparison::{l1_error, noise};
+use alabaster::study::profile::models::TabulatedModel;
+use alabaster::study::profile::rings::Rings;
+use alabaster::study::profile::truth::white_rings;
+use alabaster::study::profile::{Effort, Watch};
 
 const MEDIA: [(f64, f64); 14] = [
     (1.0, 0.0),
@@ -39,86 +41,48 @@ const MEDIA: [(f64, f64); 14] = [
 
 const ABSORBED_SHARES: [f64; 5] = [0.001, 0.01, 0.1, 0.3, 0.6];
 
-/// Radii between which errors are summed, in mean free paths.
-const RADII: (f64, f64) = (1e-3, 100.0);
+const EFFORT: Effort = Effort { photons: 2_000_000, seed: 7 };
 
-const PHOTONS: u64 = 2_000_000;
-
-fn main() {
+fn main() -> Result<(), LayerError> {
     println!(
         "| η | g | α' | dipole | better-dipole | directional-dipole | normalized-diffusion | photon-beam | tabulated | noise |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|");
+    let watch = Watch { advance: &|_| {}, stop: &AtomicBool::new(false) };
     for (eta, g) in MEDIA {
-        let shares = ABSORBED_SHARES.map(|a| a * (1.0 - g) / (1.0 - g * a));
-        let walk = white_walk(eta, g, Source::Diffuse).expect("a valid half-space");
-        let tally = || WhiteTally::new(eta, &shares);
-        let outcome = estimate(&walk, PHOTONS, 7, tally, |_| {}, &AtomicBool::new(false));
-        for (i, share) in shares.iter().enumerate() {
-            let rings = Rings::new(&outcome.estimates[i * RINGS..(i + 1) * RINGS]);
-            let errors = errors(&rings, *share, eta, g);
-            let cells: Vec<String> = errors.iter().map(|e| format!("{:.1} %", 100.0 * e)).collect();
+        let shares = ABSORBED_SHARES.map(|a| unreduced_share(a, g));
+        let truths = white_rings(eta, g, Entry::Diffuse, &shares, EFFORT, watch)?;
+        for ((reduced, share), truth) in ABSORBED_SHARES.iter().zip(shares).zip(&truths) {
+            let medium = HalfSpace { sigma_a: share, sigma_s: 1.0 - share, g, eta };
+            let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+            let cells = errors(&medium, truth).map(|error| error.map_or("–".into(), percent));
             println!(
-                "| {eta} | {g} | {} | {} | {:.1} % |",
-                1.0 - ABSORBED_SHARES[i],
+                "| {eta} | {g} | {} | {} | {} |",
+                1.0 - reduced,
                 cells.join(" | "),
-                100.0 * rings.noise
+                percent(noise(truth))
             );
         }
     }
+    Ok(())
 }
 
-/// Light of unit energy by ring.
-struct Rings {
-    /// Inner and outer radius, energy.
-    rings: Vec<(f64, f64, f64)>,
-    /// What noise adds to a sum of absolute differences in the mean: σ√(2/π) for each ring.
-    noise: f64,
-}
-
-impl Rings {
-    /// A twelfth of a decade each: pairs of those counted.
-    fn new(counted: &[Estimate]) -> Self {
-        let total: f64 = counted.iter().map(|e| e.value).sum();
-        let first = (0..RINGS).find(|&i| ring_edge(i) > RADII.0 * 0.999).unwrap_or(0) + 1;
-        let indices = (first..RINGS - 1).step_by(2).take_while(|&i| ring_edge(i) < RADII.1 * 1.001);
-        let mut noise = 0.0;
-        let rings = indices
-            .map(|i| {
-                noise += counted[i].standard_error.hypot(counted[i + 1].standard_error) / total;
-                (ring_edge(i - 1), ring_edge(i + 1), (counted[i].value + counted[i + 1].value) / total)
-            })
-            .collect();
-        Self { rings, noise: noise * (2.0 / std::f64::consts::PI).sqrt() }
-    }
-
-    /// Σ|model − truth|/Σ truth; `model` gives the share of its energy between two radii.
-    fn error(&self, model: impl Fn(f64, f64) -> f64) -> f64 {
-        let truth: f64 = self.rings.iter().map(|ring| ring.2).sum();
-        self.rings.iter().map(|&(from, to, energy)| (model(from, to) - energy).abs()).sum::<f64>() / truth
-    }
-}
-
-/// Errors of all profiles for the medium of extinction 1 that absorbs `share` of each collision.
-fn errors(rings: &Rings, share: f64, eta: f64, g: f64) -> [f64; 6] {
-    let half_space = HalfSpace::new(share, 1.0 - share, g, eta).expect("a valid half-space");
-    let length = half_space.mean_free_path_reduced();
+/// Errors of the form of all profiles; none where the table does not reach.
+fn errors(medium: &HalfSpace, truth: &Rings) -> [Option<f64>; 6] {
+    let total = truth.total().value;
     let of = |model: &dyn DiffusionModel| {
-        let total = total_energy(model, length);
-        rings.error(|from, to| energy_between(model, from, to) / total)
+        let rings = Rings::of_model(model);
+        Some(l1_error(&rings.scaled(total / rings.total().value), truth))
     };
-    let matched =
-        PlaneParallel::new(1.0, 0.0).half_space(half_space.absorbed_share_reduced()).albedo(Entry::Diffuse);
-    let table = tabulated::shape_table(Entry::Diffuse, eta, g);
-    let shape = table.shape(half_space.absorbed_share_reduced() as f32, length as f32);
+    let matched = PlaneParallel::new(1.0, 0.0);
+    let albedo = matched.half_space(medium.absorbed_share_reduced()).albedo(Entry::Diffuse);
+    let length = medium.mean_free_path_reduced();
     [
-        of(&Dipole::new(&half_space)),
-        of(&BetterDipole::new(&half_space)),
-        of(&UniformlyLitDirectionalDipole::new(&half_space)),
-        of(&NormalizedDiffusionModel::new(Fit::DiffuseTransmission, matched, length)),
-        of(&PhotonBeam::new(&half_space)),
-        rings.error(|from, to| {
-            f64::from(shape.cumulative(to as f32)) - f64::from(shape.cumulative(from as f32))
-        }),
+        of(&Dipole::new(medium)),
+        of(&BetterDipole::new(medium)),
+        of(&UniformlyLitDirectionalDipole::new(medium)),
+        of(&NormalizedDiffusionModel::new(Fit::DiffuseTransmission, albedo, length)),
+        of(&PhotonBeam::new(medium)),
+        TabulatedModel::new(medium, Entry::Diffuse, total).ok().and_then(|model| of(&model)),
     ]
 }

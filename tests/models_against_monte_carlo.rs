@@ -1,6 +1,9 @@
 //! The error of every analytic model against Monte Carlo is the published one: total albedo, L1 error
 //! over rings, and error by radius band, for a pencil beam on a half-space.
 
+#[path = "common/csv.rs"]
+mod csv;
+
 use std::f64::consts::TAU;
 
 use alabaster::diffusion::photon_beam::BeamMultipleScattering;
@@ -8,6 +11,7 @@ use alabaster::diffusion::{
     BetterDipole, BoundaryMoments, DiffusionModel, Dipole, DirectionalDipole, Fit, HalfSpace,
     NormalizedDiffusionModel, PhotonBeam,
 };
+use csv::fields;
 
 /// One row a configuration and model; lengths in mean free paths, 5 digits of albedo and 4 of errors.
 const ERRORS: &str = include_str!("data/model_vs_mc_searchlight.csv");
@@ -19,20 +23,6 @@ const ALBEDOS: &str = include_str!("data/model_albedo_vs_exact.csv");
 /// Half a unit of the last of four, and of five, printed decimals.
 const HALF_OF_FOURTH: f64 = 0.5e-4;
 const HALF_OF_FIFTH: f64 = 0.5e-5;
-
-/// Fields of a line, where a quoted one may contain commas.
-fn fields(line: &str) -> Vec<String> {
-    let mut fields = vec![String::new()];
-    let mut quoted = false;
-    for c in line.chars() {
-        match c {
-            '"' => quoted = !quoted,
-            ',' if !quoted => fields.push(String::new()),
-            c => fields.last_mut().expect("starts with one").push(c),
-        }
-    }
-    fields
-}
 
 fn number(text: &str) -> f64 {
     text.parse().expect("a number in tests/data")

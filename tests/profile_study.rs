@@ -1,5 +1,8 @@
 //! Studies of profiles: models beside Monte Carlo, slabs, sweeps and fits.
 
+#[path = "common/csv.rs"]
+mod csv;
+
 use std::sync::atomic::AtomicBool;
 
 use alabaster::diffusion::integrate::energy_between;
@@ -14,6 +17,7 @@ use alabaster::study::profile::{
     ChannelResult, Coefficients, Effort, FitProblem, Material, MaterialError, MeasuredProfile, ModelChoice,
     Settings, Sweep, Watch, compare, figures, tables,
 };
+use csv::fields;
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_pcg::Pcg64;
@@ -43,20 +47,6 @@ fn half_space(sigma_a: f64, sigma_s: f64, g: f64, eta: f64) -> Material {
 
 fn study(material: &Material, settings: &Settings) -> Vec<ChannelResult> {
     compare(material, settings, watch()).unwrap().unwrap()
-}
-
-/// Fields of a line, where a quoted one may contain commas.
-fn fields(line: &str) -> Vec<String> {
-    let mut fields = vec![String::new()];
-    let mut quoted = false;
-    for c in line.chars() {
-        match c {
-            '"' => quoted = !quoted,
-            ',' if !quoted => fields.push(String::new()),
-            c => fields.last_mut().unwrap().push(c),
-        }
-    }
-    fields
 }
 
 /// The published errors are against another Monte Carlo. The noise of ours adds Σ|noise|/Σ truth at most, in the mean

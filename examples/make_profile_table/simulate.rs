@@ -8,7 +8,7 @@ use std::time::Instant;
 use alabaster::diffusion::tabulated::{ROWS, absorbed_share_of_row};
 use alabaster::medium::Entry;
 use alabaster::slab::white::{RINGS, WhiteTally, white_walk};
-use alabaster::slab::{Estimate, Source, estimate};
+use alabaster::slab::{Estimate, estimate};
 
 /// A node of the table: one walk.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,11 +26,7 @@ pub type Rings = Vec<Vec<f64>>;
 
 /// The rings of `node`, from `folder` if they are there, by simulation if not.
 pub fn rings(node: Node, folder: &Path) -> std::io::Result<Rings> {
-    let entry = match node.entry {
-        Entry::Normal => "normal",
-        Entry::Diffuse => "diffuse",
-    };
-    let path = folder.join(format!("{entry}-{:.6}-{:.6}.csv", node.eta, node.g));
+    let path = folder.join(format!("{}-{:.6}-{:.6}.csv", node.entry.name(), node.eta, node.g));
     if !path.exists() {
         let text = simulate(node);
         fs::write(path.with_extension("part"), text)?;
@@ -41,12 +37,8 @@ pub fn rings(node: Node, folder: &Path) -> std::io::Result<Rings> {
 }
 
 fn simulate(node: Node) -> String {
-    let source = match node.entry {
-        Entry::Normal => Source::Pencil { cosine: 1.0 },
-        Entry::Diffuse => Source::Diffuse,
-    };
     let start = Instant::now();
-    let walk = white_walk(node.eta, node.g, source).expect("the nodes are valid half-spaces");
+    let walk = white_walk(node.eta, node.g, node.entry.into()).expect("the nodes are valid half-spaces");
     let shares: Vec<f64> = (0..ROWS).map(|row| absorbed_share_of_row(row, node.g)).collect();
     let tally = || WhiteTally::new(node.eta, &shares);
     let outcome = estimate(&walk, photons(node), 1, tally, |_| {}, &AtomicBool::new(false));

@@ -13,7 +13,7 @@ use super::error::CliError;
 use super::photon_progress::PhotonProgress;
 use super::profile_input::{MediumArgs, models};
 use super::stop::Stop;
-use super::threads::start_threads;
+use super::threads::ThreadArgs;
 use crate::diffusion::HalfSpace;
 use crate::film::output::replace;
 use crate::study::profile::fit::{self, FitModel, in_words};
@@ -51,9 +51,8 @@ pub struct ProfileArgs {
     /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Threads [default: as many as the machine has]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: ThreadArgs,
     /// Print nothing but warnings and errors
     #[arg(long)]
     quiet: bool,
@@ -67,7 +66,7 @@ type Files = Vec<(&'static str, String)>;
 
 /// Compares, sweeps or fits, and writes what was found.
 pub fn run(args: &ProfileArgs) -> Result<(), CliError> {
-    start_threads(args.threads)?;
+    args.threads.start()?;
     match (&args.fit, &args.sweep) {
         (Some(file), _) => run_fit(args, file),
         (None, Some(text)) => run_sweep(args, &text.parse().map_err(CliError::input)?),
@@ -107,7 +106,7 @@ fn run_comparison(args: &ProfileArgs) -> Result<(), CliError> {
         ("profile.json", pretty(&report)),
     ];
     files.extend(figures::figures(&results).map_err(CliError::machine)?);
-    let heading = format!("{}, {body}, {} entry", material.name, summary::entry_name(settings.entry));
+    let heading = format!("{}, {body}, {} entry", material.name, settings.entry.name());
     finish(args, &files, &report, &format!("{heading}\n{}", summary::table(&results, args.cutoff)))?;
     interrupted(&stop)?;
     check_errors(args, &results)
@@ -215,7 +214,7 @@ fn sweep_json(sweep: &Sweep, points: &[SweepPoint], settings: &Settings) -> Valu
     };
     json!({
         "parameter": sweep.parameter.name(),
-        "entry": summary::entry_name(settings.entry),
+        "entry": settings.entry.name(),
         "photons": settings.effort.photons,
         "seed": settings.effort.seed,
         "points": points.iter().map(point).collect::<Vec<_>>(),
@@ -257,7 +256,7 @@ fn fit_json(problem: &FitProblem, found: &FitResult) -> Value {
     let fitted = |f: fit::Fitted| json!({"value": f.value, "stderr": f.stderr});
     json!({
         "model": problem.model.name(),
-        "entry": summary::entry_name(problem.entry),
+        "entry": problem.entry.name(),
         "g": problem.g,
         "ior": problem.eta,
         "sigma_s_reduced": fitted(found.sigma_s_reduced),
@@ -298,7 +297,7 @@ fn fit_text(problem: &FitProblem, found: &FitResult) -> String {
     format!(
         "{} fitted, {} entry, g {}, ior {}:\n  reduced sigma_s  {} 1/m\n  sigma_a          {} 1/m{scale}\n  correlation {:+.3} of their logarithms; {quality}{lengths}",
         problem.model.name(),
-        summary::entry_name(problem.entry),
+        problem.entry.name(),
         problem.g,
         problem.eta,
         in_words(found.sigma_s_reduced, 1.0),

@@ -12,7 +12,7 @@ use super::error::CliError;
 use super::progress::Progress;
 use super::report::{MadeBy, Report};
 use super::stop::Stop;
-use super::threads::start_threads;
+use super::threads::ThreadArgs;
 use crate::diffusion::ProfileKind;
 use crate::film::accumulator::MAX_SAMPLES;
 use crate::film::exr::Attribute;
@@ -60,9 +60,8 @@ pub struct RenderArgs {
     /// Seed of all random numbers: the same seed, scene and samples give the same bits
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Threads [default: as many as the machine has]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: ThreadArgs,
     /// Layers to write into .exr beside the colour
     #[arg(long, value_name = "LAYERS", value_delimiter = ',')]
     aov: Vec<LayerChoice>,
@@ -86,7 +85,7 @@ pub fn run(args: &RenderArgs) -> Result<(), CliError> {
         Format::of(path)?;
         check_writable(path)?;
     }
-    start_threads(args.threads)?;
+    args.threads.start()?;
     let scene = scene_with_overrides(args)?;
     scene.warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
     match args.backend {

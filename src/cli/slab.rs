@@ -11,7 +11,7 @@ use super::photon_progress::PhotonProgress;
 use super::slab_outputs::{Finished, Outputs};
 use super::slab_report::{RunReport, reports_json};
 use super::stop::Stop;
-use super::threads::start_threads;
+use super::threads::ThreadArgs;
 use crate::slab::mci::MAX_PHOTONS;
 use crate::slab::{MciRun, Simulation, Source, read_mci};
 
@@ -36,9 +36,8 @@ pub struct SlabArgs {
     /// Seed of the first run's random numbers; each run after it takes the next one
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Threads [default: as many as the machine has]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: ThreadArgs,
     /// Print nothing but warnings and errors
     #[arg(long)]
     quiet: bool,
@@ -63,7 +62,7 @@ pub fn run(args: &SlabArgs) -> Result<(), CliError> {
     let runs = read_mci(&args.input)
         .map_err(|error| CliError::input(format!("{}: {error}", args.input.display())))?;
     let outputs = Outputs::plan(&args.input, &args.output, &runs)?;
-    start_threads(args.threads)?;
+    args.threads.start()?;
     let stop = Stop::on_signals()?;
     let mut reports = Vec::new();
     for (i, run) in runs.iter().enumerate() {

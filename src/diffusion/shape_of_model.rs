@@ -37,9 +37,15 @@ impl ShapeTable {
         let rule = GaussLegendre::new(NODES);
         let row = |i: usize| {
             let root = i as f64 / (ROWS - 1) as f64;
-            Ok(logits(&rule, &model(&reduced_half_space(root * root, g, eta)?)))
+            Ok(logits(&rule, &model(&reduced_half_space(root * root, g, eta)?), 1.0))
         };
         Ok(Self::new(&(0..ROWS).into_par_iter().map(row).collect::<Result<Vec<_>, _>>()?))
+    }
+
+    /// The form of `model` alone, which is that of one medium, of reduced mean free path `length`: the same for every
+    /// albedo.
+    pub fn of_one(model: &dyn DiffusionModel, length: f64) -> Self {
+        Self::new(&[logits(&GaussLegendre::new(NODES), model, length)])
     }
 }
 
@@ -50,15 +56,16 @@ pub(super) fn reduced_half_space(absorbed_share: f64, g: f64, eta: f64) -> Resul
     HalfSpace::new(sigma_a, (1.0 - sigma_a) / (1.0 - g), g, eta)
 }
 
-/// Logits of the share of energy within each knot. Both shares are sums of their own parts, so that neither
+/// Logits of the share of energy within each knot, for reduced mean free path `length`. Both shares are sums of their own parts, so that neither
 /// loses its digits where it is small.
-fn logits(rule: &GaussLegendre, model: &impl DiffusionModel) -> [f64; KNOTS] {
+fn logits(rule: &GaussLegendre, model: &(impl DiffusionModel + ?Sized), length: f64) -> [f64; KNOTS] {
     let fold = |i: i32| f64::from(i).exp();
-    let (first, last) = (knot_radius(0), knot_radius(KNOTS - 1));
+    let radius = |i: usize| length * knot_radius(i);
+    let (first, last) = (radius(0), radius(KNOTS - 1));
     let mut parts: [f64; KNOTS + 1] = std::array::from_fn(|i| match i {
         0 => energy_by(rule, model, first * fold(-FOLDS), first),
         KNOTS => 0.0,
-        _ => energy_by(rule, model, knot_radius(i - 1), knot_radius(i)),
+        _ => energy_by(rule, model, radius(i - 1), radius(i)),
     });
     // An exponential tail has ended long before the last knot.
     if parts[KNOTS - 1] > 0.0 {

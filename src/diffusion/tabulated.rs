@@ -8,18 +8,17 @@ use std::sync::LazyLock;
 
 use super::shape::{KNOTS, ShapeTable};
 use crate::medium::Entry;
+use crate::medium::albedo_inversion::unreduced_share;
 use crate::optics::fresnel_moment;
 
 /// Rows of the absorbed share of the reduced medium, 1 − α' = (i/(ROWS − 1))².
 pub const ROWS: usize = 41;
 
-/// Absorbed share 1 − ω of the medium itself in row `row`: with a' = 1 − α', σ_a/σ_s' = a'/(1 − a') and
-/// σ_s' = σ_s(1 − g), so 1 − ω = a'(1 − g)/(1 − g a').
+/// Absorbed share 1 − ω of the medium itself in row `row`.
 pub fn absorbed_share_of_row(row: usize, g: f64) -> f64 {
     let root = row as f64 / (ROWS - 1) as f64;
     // The form of the last row is that of single scattering alone; at ω = 0 nothing would be left of it.
-    let reduced = (root * root).min(1.0 - 1e-7);
-    reduced * (1.0 - g) / (1.0 - g * reduced)
+    unreduced_share((root * root).min(1.0 - 1e-7), g)
 }
 
 /// Mean cosines: equidistant in ln(1 − g), from 0 to 0.9.

@@ -8,3 +8,13 @@ pub enum Entry {
     /// Uniform radiance from all sides (a flux distribution ∝ cosθ), refracted in.
     Diffuse,
 }
+
+impl Entry {
+    /// The name in outputs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Normal => "normal",
+            Self::Diffuse => "diffuse",
+        }
+    }
+}

@@ -8,6 +8,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
 use super::layers::LayerStack;
+use crate::medium::Entry;
 use crate::optics::fresnel::Interface;
 use crate::optics::phase::HenyeyGreenstein;
 
@@ -21,6 +22,15 @@ pub enum Source {
     },
     /// Light from all sides of the upper hemisphere alike (flux per solid angle goes with the cosine).
     Diffuse,
+}
+
+impl From<Entry> for Source {
+    fn from(entry: Entry) -> Self {
+        match entry {
+            Entry::Normal => Self::Pencil { cosine: 1.0 },
+            Entry::Diffuse => Self::Diffuse,
+        }
+    }
 }
 
 /// When a packet plays roulette.

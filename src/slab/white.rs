@@ -94,7 +94,8 @@ impl<'a> WhiteTally<'a> {
     }
 }
 
-fn ring(radius_squared: f64) -> usize {
+/// The ring that holds points at this squared distance from the axis.
+pub fn ring(radius_squared: f64) -> usize {
     let decades = 0.5 * (radius_squared * (1.0 / (FIRST_RADIUS * FIRST_RADIUS))).log10();
     // Saturates at 0 below the first edge, −∞ included.
     ((decades * RINGS_PER_DECADE as f64 + 1.0) as usize).min(RINGS - 1)

@@ -4,7 +4,6 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use crate::diffusion::integrate::energy_between;
-use crate::diffusion::shape::{KNOTS, knot_radius};
 use crate::diffusion::{DiffusionModel, Profile, ShapeTable};
 
 /// Cost of a model on this machine, on one thread.
@@ -33,7 +32,7 @@ pub fn measure(model: &dyn DiffusionModel, reduced: f64) -> Cost {
         (0..RADII).map(|i| reduced * 10.0_f64.powf(4.0 * i as f64 / RADII as f64 - 3.0)).collect();
     let seconds_per_evaluation =
         seconds_each(RADII, || radii.iter().map(|&radius| model.reflectance(black_box(radius))).sum());
-    let table = shape_table_of(model, reduced);
+    let table = ShapeTable::of_one(model, reduced);
     let shape = table.shape(0.0, reduced as f32);
     let numbers: Vec<f32> = (0..DRAWN).map(|i| (i as f32 + 0.5) / DRAWN as f32).collect();
     let draw = |&xi: &f32| {
@@ -57,21 +56,6 @@ fn seconds_each(count: usize, work: impl Fn() -> f64) -> f64 {
         start.elapsed().as_secs_f64() / repeats as f64
     };
     time().min(time()).min(time())
-}
-
-/// The profile of `model` in the form that renderers sample.
-fn shape_table_of(model: &dyn DiffusionModel, reduced: f64) -> ShapeTable {
-    let total = model.albedo();
-    let mut inside = 0.0;
-    let mut from = 0.0;
-    let logits = std::array::from_fn::<f64, KNOTS, _>(|i| {
-        let to = reduced * knot_radius(i);
-        inside += energy_between(model, from, to);
-        from = to;
-        let outside = (total - inside).max(f64::EPSILON * total);
-        (inside.max(f64::MIN_POSITIVE) / outside).ln()
-    });
-    ShapeTable::new(&[logits, logits])
 }
 
 /// `drawn` rises, from equidistant numbers.

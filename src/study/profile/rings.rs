@@ -1,15 +1,12 @@
-//! Rings on a flat surface, and light counted in them.
+//! Rings on a flat surface, two of [`white`] in one but for the first and the last, and light counted in them.
 
 use crate::diffusion::DiffusionModel;
 use crate::diffusion::integrate::energy_between;
 use crate::slab::Estimate;
+use crate::slab::white::{self, DECADES};
 
 /// Rings per decade of radius.
-pub const RINGS_PER_DECADE: usize = 12;
-/// Outer radius of the first ring, which reaches to the axis, in mean free paths 1/σ_t.
-pub const FIRST_RADIUS: f64 = 1e-5;
-/// Decades of radius.
-pub const DECADES: usize = 8;
+pub const RINGS_PER_DECADE: usize = white::RINGS_PER_DECADE / 2;
 /// Rings: one to the axis, the logarithmic ones, one without end.
 pub const RINGS: usize = DECADES * RINGS_PER_DECADE + 2;
 /// The rings between 10⁻³ and 100 mean free paths, over which errors are summed.
@@ -25,7 +22,7 @@ pub fn outer_radius(i: usize) -> f64 {
     if i + 1 == RINGS {
         return f64::INFINITY;
     }
-    FIRST_RADIUS * 10.0_f64.powf(i as f64 / RINGS_PER_DECADE as f64)
+    white::ring_edge(2 * i)
 }
 
 /// Geometric mean of both radii of ring `i`; 0 for the first.
@@ -41,9 +38,7 @@ pub fn area(i: usize) -> f64 {
 
 /// The ring that holds points at this squared distance from the axis.
 pub fn ring_at(radius_squared: f64) -> usize {
-    let decades = 0.5 * (radius_squared * (1.0 / (FIRST_RADIUS * FIRST_RADIUS))).log10();
-    // Saturates at 0 below the first edge, −∞ included.
-    ((decades * RINGS_PER_DECADE as f64 + 1.0) as usize).min(RINGS - 1)
+    white::ring(radius_squared).div_ceil(2)
 }
 
 /// Light in rings, per unit flux that entered.
@@ -68,6 +63,12 @@ impl Rings {
             Some(exact(*sum))
         });
         Self { inside: inside.collect(), flux: flux.iter().copied().map(exact).collect() }
+    }
+
+    /// As many times as much light.
+    pub fn scaled(&self, factor: f64) -> Self {
+        let all = |rings: &[Estimate]| rings.iter().map(|&e| e * factor).collect();
+        Self { flux: all(&self.flux), inside: all(&self.inside) }
     }
 
     /// All of it.

@@ -9,7 +9,6 @@ use super::lengths::{mean_free_paths, significant, unit_hint};
 use super::material::Material;
 use super::rings::Rings;
 use crate::diffusion::HalfSpace;
-use crate::medium::Entry;
 
 const MILLIMETRES: f64 = 1e3;
 
@@ -26,7 +25,7 @@ pub fn json(
     let over_channels = |f: &dyn Fn(&ChannelResult) -> f64| mean(reflected.iter().map(|result| f(result)));
     json!({
         "material": material.name,
-        "entry": entry_name(settings.entry),
+        "entry": settings.entry.name(),
         "thickness_m": material.thickness,
         "photons": settings.effort.photons,
         "seed": settings.effort.seed,
@@ -135,14 +134,6 @@ fn beyond(rings: &Rings, medium: &HalfSpace, cutoff: Option<f64>) -> Vec<Value> 
 /// In mean free paths; that of the user, in m, first.
 fn cutoffs(medium: &HalfSpace, cutoff: Option<f64>) -> impl Iterator<Item = f64> {
     cutoff.map(|radius| radius * medium.sigma_t()).into_iter().chain(BEYOND)
-}
-
-/// The name of an entry.
-pub fn entry_name(entry: Entry) -> &'static str {
-    match entry {
-        Entry::Normal => "normal",
-        Entry::Diffuse => "diffuse",
-    }
 }
 
 /// What the reader ought to know: notes, and lengths that are hardly meant.

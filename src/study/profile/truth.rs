@@ -8,7 +8,7 @@ use crate::diffusion::HalfSpace;
 use crate::medium::Entry;
 use crate::slab::white::{self, WhiteTally, white_walk};
 use crate::slab::{
-    Estimate, Face, Layer, LayerError, LayerStack, Observer, Outcome, Photon, Roulette, Scores, Source, Walk,
+    Estimate, Face, Layer, LayerError, LayerStack, Observer, Outcome, Photon, Roulette, Scores, Walk,
     estimate,
 };
 
@@ -28,13 +28,6 @@ pub struct Watch<'a> {
     pub advance: &'a (dyn Fn(u64) + Sync),
     /// True when what is done has to do.
     pub stop: &'a AtomicBool,
-}
-
-fn source(entry: Entry) -> Source {
-    match entry {
-        Entry::Normal => Source::Pencil { cosine: 1.0 },
-        Entry::Diffuse => Source::Diffuse,
-    }
 }
 
 /// Walks that [`half_spaces`] needs for `channels`: one for each boundary and phase function.
@@ -90,7 +83,7 @@ pub fn white_rings(
     effort: Effort,
     watch: Watch,
 ) -> Result<Vec<Rings>, LayerError> {
-    let walk = white_walk(eta, g, source(entry))?;
+    let walk = white_walk(eta, g, entry.into())?;
     let empty = || WhiteRings(WhiteTally::new(eta, absorbed_shares));
     Ok(rings_per_entered(&estimate(&walk, effort.photons, effort.seed, empty, watch.advance, watch.stop)))
 }
@@ -101,10 +94,9 @@ fn rings_per_entered(outcome: &Outcome) -> Vec<Rings> {
     if outcome.photons == 0 {
         return Vec::new();
     }
-    let scaled = |part: &[Estimate]| part.iter().map(|&e| e * (1.0 / entered.value)).collect();
     let rings = |group: &[Estimate]| {
         let (flux, inside) = group.split_at(RINGS);
-        Rings { flux: scaled(flux), inside: scaled(inside) }
+        Rings { flux: flux.to_vec(), inside: inside.to_vec() }.scaled(1.0 / entered.value)
     };
     groups.chunks_exact(2 * RINGS).map(rings).collect()
 }
@@ -178,7 +170,7 @@ pub fn slab(
         thickness: thickness * sigma_t,
     };
     let stack = LayerStack::new(1.0, vec![layer], 1.0)?;
-    let walk = Walk::new(&stack, source(entry), Roulette::default());
+    let walk = Walk::new(&stack, entry.into(), Roulette::default());
     let outcome = estimate(&walk, effort.photons, effort.seed, SlabRings::new, watch.advance, watch.stop);
     let rings = rings_per_entered(&outcome);
     Ok(<[Rings; 2]>::try_from(rings).ok())
