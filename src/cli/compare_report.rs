@@ -92,10 +92,12 @@ pub fn table(heading: &str, found: &Comparison, flip: Option<&Flip>) -> String {
 }
 
 fn errors_in_words(text: &mut String, found: &Comparison, flip: Option<&Flip>) {
-    let of_noise =
-        found.relmse_of_noise.map_or_else(String::new, |noise| format!("; noise alone makes {noise:.4e}"));
-    let _ = writeln!(text, "MSE     {:.4e}  (W/(m² sr))²", found.mse);
-    let _ = writeln!(text, "relMSE  {:.4e}  mean of (a - b)²/(b² + 0.01){of_noise}", found.relmse);
+    let of_noise = found
+        .relmse_of_noise
+        .map_or_else(String::new, |noise| format!("; noise alone makes up to {}", scientific(noise)));
+    let _ = writeln!(text, "MSE     {:<10}  (W/(m² sr))²", scientific(found.mse));
+    let _ =
+        writeln!(text, "relMSE  {:<10}  mean of (a - b)²/(b² + 0.01){of_noise}", scientific(found.relmse));
     let _ = writeln!(text, "MAPE    {:<10.4}  mean of |a - b|/(|b| + 0.01)", found.mape);
     if let Some(flip) = flip {
         let [first, last] = flip.exposures;
@@ -116,6 +118,10 @@ fn errors_in_words(text: &mut String, found: &Comparison, flip: Option<&Flip>) {
         pixel(largest.a.0),
         pixel(largest.b.0),
     );
+}
+
+fn scientific(value: f64) -> String {
+    format!("{value:.4e}")
 }
 
 fn noise_in_words(found: &Comparison) -> &'static str {
