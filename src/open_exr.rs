@@ -21,6 +21,9 @@ use thiserror::Error as ThisError;
 /// Largest block that is decoded: 256 lines (DWAB) of 16,384 pixels of 4 float channels.
 const MAX_BLOCK_BYTES: usize = 1 << 26;
 
+/// Names of channels that a message lists.
+const MAX_NAMES: usize = 12;
+
 /// Why a file cannot be read.
 #[derive(Debug, ThisError)]
 pub enum ExrError {
@@ -75,7 +78,11 @@ impl ExrFile {
             }
         }
         let channels = self.headers().iter().flat_map(|header| &header.channels.list);
-        let names: Vec<String> = channels.map(|channel| channel.name.to_string()).collect();
+        let mut names: Vec<String> = channels.map(|channel| channel.name.to_string()).collect();
+        if names.len() > MAX_NAMES {
+            names.truncate(MAX_NAMES);
+            names.push("more".into());
+        }
         Err(ExrError::NoColor(names.join(", ")))
     }
 

@@ -191,9 +191,9 @@ fn fits_are_written() {
     folder
         .run(&profile(&["--sigma-a", "20", "--sigma-s", "1500", "--ior", "1.4", "--models", "photon-beam"]))
         .ends_with(0);
-    let profile = fs::read_to_string(folder.path("out/profile.csv")).unwrap();
+    let written = fs::read_to_string(folder.path("out/profile.csv")).unwrap();
     // The model's own curve, in the columns that a measurement has.
-    let rows = profile.lines().filter(|line| line.contains(",photon-beam,")).map(|line| {
+    let rows = written.lines().filter(|line| line.contains(",photon-beam,")).map(|line| {
         let fields: Vec<&str> = line.split(',').collect();
         format!("{},{}\n", fields[5], fields[6])
     });

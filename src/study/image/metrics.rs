@@ -89,7 +89,7 @@ impl ChannelMean {
     }
 }
 
-/// The largest difference of a channel.
+/// The largest difference of a channel, and where it is in what was compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LargestDifference {
     /// |a − b| of that channel.
