@@ -16,6 +16,7 @@ use super::stop::Stop;
 use super::threads::ThreadArgs;
 use crate::diffusion::HalfSpace;
 use crate::film::output::replace;
+use crate::study::numbers::significant;
 use crate::study::profile::fit::{self, FitModel, in_words};
 use crate::study::profile::{
     ChannelResult, Effort, FitProblem, FitResult, Material, MeasuredProfile, ModelChoice, Settings, Sweep,
@@ -122,10 +123,10 @@ fn check_models(material: &Material, settings: &Settings) -> Result<String, CliE
             "--models: {} is a model of a half-space, and {} is a slab {} mm thick; choose multipole, or make the layer thicker",
             choice.name(),
             material.name,
-            lengths::significant(1e3 * thickness)
+            significant(1e3 * thickness)
         )));
     }
-    Ok(format!("slab {} mm thick", lengths::significant(1e3 * thickness)))
+    Ok(format!("slab {} mm thick", significant(1e3 * thickness)))
 }
 
 /// Lengths that are hardly meant are said before the work.

@@ -8,11 +8,12 @@ use super::interiors::Interiors;
 use super::light_sampling::LightSampler;
 use super::path::{Path, place};
 use super::scatterer::{Scatterer, ScattererError};
-use super::world::World;
+use super::world::{Substance, World};
 use crate::diffusion::{ModelKind, ProfileKind};
 use crate::math::SampleStream;
+use crate::math::robust::offset_from_surface;
 use crate::radiometry::Rgb;
-use crate::raycast::{Geometry, RayCaster, RaycastError};
+use crate::raycast::{Geometry, Ray, RayCaster, RaycastError};
 use crate::scene::camera::CameraRays;
 use crate::scene::{ColorMode, Method, ProfileChoice, ScatteringInput, Scene, Surface};
 
@@ -49,6 +50,9 @@ pub enum RenderError {
         available: &'static str,
     },
 }
+
+/// Surfaces of clear bodies that one looks through for what is behind.
+const CLEAR_SURFACES: usize = 64;
 
 /// A scene made ready: every sample of every pixel is a pure function of (seed, pixel, sample).
 pub struct Renderer<C> {
@@ -110,6 +114,37 @@ impl<C: RayCaster> Renderer<C> {
         self.world.caster()
     }
 
+    /// Changes the seed of all random numbers.
+    pub fn reseed(&mut self, seed: u64) {
+        self.options.seed = seed;
+    }
+
+    /// Leaves the direction of entry out of profiles that depend on it: light from every direction then leaves as
+    /// uniform light does.
+    pub fn forget_direction_of_entry(&mut self) {
+        self.scatterers.iter_mut().flatten().for_each(Scatterer::forget_direction_of_entry);
+    }
+
+    /// The material that the centre of pixel (`x`, `y`) shows, seen straight through clear bodies; `None` if that is a
+    /// light or nothing.
+    pub fn material_seen(&self, x: u32, y: u32) -> Option<usize> {
+        let film = self.scene().film;
+        let center = [(x as f32 + 0.5) / film.width as f32, (y as f32 + 0.5) / film.height as f32];
+        let ray = self.camera.ray(center, [0.5; 2]);
+        let mut origin = ray.origin;
+        for _ in 0..CLEAR_SURFACES {
+            let hit = self.world.caster().closest(&Ray::new(origin, ray.direction))?;
+            let Substance::Material(material) = self.world.substance(hit.instance) else { return None };
+            if !is_clear(&self.scene().materials[material].surface) {
+                return Some(material);
+            }
+            let surface = self.world.surface(&hit);
+            let (position, normal) = (surface.position, surface.geometric_normal);
+            origin = offset_from_surface(position, surface.error, normal, ray.direction);
+        }
+        None
+    }
+
     /// Radiance, W/(m² sr), that sample number `sample` of pixel (`x`, `y`) brings to the film.
     pub fn sample(&self, x: u32, y: u32, sample: u64, counters: &mut Counters) -> Rgb {
         let film = self.scene().film;
@@ -120,6 +155,15 @@ impl<C: RayCaster> Renderer<C> {
         let on_film = [(x as f32 + 0.5 + dx) / film.width as f32, (y as f32 + 0.5 + dy) / film.height as f32];
         let ray = self.camera.ray(on_film, [lens_u, lens_v]);
         Path::new(self, stream, self.camera_interiors, counters).radiance(ray.origin, ray.direction)
+    }
+}
+
+/// True if one sees through.
+fn is_clear(surface: &Surface) -> bool {
+    match surface {
+        Surface::Dielectric { .. } => true,
+        Surface::MetallicRoughness(m) => m.transmission.factor > 0.0,
+        _ => false,
     }
 }
 

@@ -139,6 +139,15 @@ impl Scatterer {
         self.immersed.iter().map(|immersed| immersed.kind)
     }
 
+    /// Leaves out what profiles leave to the direction of entry.
+    pub fn forget_direction_of_entry(&mut self) {
+        for immersed in &mut self.immersed {
+            if let Form::Shaped { directional, .. } = &mut immersed.form {
+                *directional = None;
+            }
+        }
+    }
+
     /// The material at a point of a body of the given diameter, inside a medium of index `ior_around`.
     /// `albedo` looks up the albedo where it is textured.
     pub fn at(

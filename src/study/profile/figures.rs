@@ -1,11 +1,11 @@
 //! The pictures of a comparison.
 
 use super::comparison::{ChannelResult, Quantity};
-use super::lengths::significant;
 use super::models::ModelChoice;
-use super::plot::{Axis, Dot, Line, Panel, PlotError, Style, svg};
 use super::rings::{COMPARED, Rings, inner_radius, middle_radius, outer_radius};
 use crate::diffusion::{Fit, ModelKind};
+use crate::study::numbers::significant;
+use crate::study::plot::{Axis, Dot, Dots, Line, Panel, PlotError, Style, svg};
 
 /// Colours of Okabe and Ito 2008, which colour-blind people tell apart, and dashes.
 pub fn style(choice: ModelChoice) -> Style {
@@ -94,8 +94,7 @@ impl<'a> View<'a> {
             x,
             y,
             lines: lines.collect(),
-            dots_name: "Monte Carlo, ±2σ".into(),
-            dots: dots.collect(),
+            dots: vec![Dots { name: "Monte Carlo, ±2σ".into(), color: [0; 3], points: dots.collect() }],
         }
     }
 

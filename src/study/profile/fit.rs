@@ -3,11 +3,11 @@
 use nalgebra::{DMatrix, DVector};
 use thiserror::Error;
 
-use super::lengths::significant;
 use super::measured::MeasuredProfile;
-use super::plot::{Axis, Dot, Line, Panel, PlotError, Style, svg};
 use crate::diffusion::{DiffusionModel, HalfSpace, PhotonBeam, Profile, ShapeTable, tabulated};
 use crate::medium::{Entry, PlaneParallel};
+use crate::study::numbers::significant;
+use crate::study::plot::{Axis, Dot, Dots, Line, Panel, PlotError, Style, svg};
 
 /// The model that is fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -348,7 +348,6 @@ pub fn figure(
             style: Style { color: [0x00, 0x72, 0xb2], dashes: "" },
             points: curve,
         }],
-        dots_name: "measured, ±σ".into(),
-        dots,
+        dots: vec![Dots { name: "measured, ±σ".into(), color: [0; 3], points: dots }],
     }])
 }

@@ -1,6 +1,7 @@
 //! The lengths that coefficients imply, and whether they are likely.
 
 use crate::diffusion::HalfSpace;
+use crate::study::numbers::significant;
 
 /// Mean free paths outside of this, m, are hardly those of a thing that one renders.
 const LIKELY: std::ops::RangeInclusive<f64> = 1e-7..=0.1;
@@ -42,18 +43,6 @@ pub fn unit_hint(medium: &HalfSpace) -> Option<String> {
     ))
 }
 
-/// Four significant digits.
-pub fn significant(value: f64) -> String {
-    if value == 0.0 {
-        return "0".into();
-    }
-    let magnitude = value.abs().log10().floor();
-    if !(-4.0..6.0).contains(&magnitude) {
-        return format!("{value:.3e}");
-    }
-    format!("{value:.*}", (3.0 - magnitude).max(0.0) as usize)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -66,11 +55,5 @@ mod tests {
         assert!(hint.contains("381.7 mm is very long") && hint.contains("multiply them by 1000"), "{hint}");
         assert!(hint.ends_with("it is 0.3817 mm"), "{hint}");
         assert!(unit_hint(&medium(2.62e9)).unwrap().contains("very short"));
-    }
-
-    #[test]
-    fn four_digits_are_shown() {
-        let shown = [0.38168, 12345.6, 1.0, 0.0, 2.5e-9, 99.999].map(significant);
-        assert_eq!(shown, ["0.3817", "12346", "1.000", "0", "2.500e-9", "100.00"]);
     }
 }

@@ -11,7 +11,6 @@ pub mod lengths;
 pub mod material;
 pub mod measured;
 pub mod models;
-pub mod plot;
 pub mod rings;
 pub mod summary;
 pub mod sweep;

@@ -5,10 +5,11 @@ use std::fmt::Write;
 use serde_json::{Value, json};
 
 use super::comparison::{BANDS, BEYOND, ChannelResult, ModelResult, Quantity, Settings};
-use super::lengths::{mean_free_paths, significant, unit_hint};
+use super::lengths::{mean_free_paths, unit_hint};
 use super::material::Material;
 use super::rings::Rings;
 use crate::diffusion::HalfSpace;
+use crate::study::numbers::significant;
 
 const MILLIMETRES: f64 = 1e3;
 

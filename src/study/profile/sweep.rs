@@ -7,11 +7,11 @@ use thiserror::Error;
 use super::comparison::{ChannelResult, Settings, half_space};
 use super::figures::style;
 use super::material::Channel;
-use super::plot::{Axis, Dot, Line, Panel, PlotError, Style, svg};
 use super::truth::{Effort, Watch, white_rings};
 use crate::diffusion::{HalfSpace, HalfSpaceError};
 use crate::medium::albedo_inversion::unreduced_share;
 use crate::slab::LayerError;
+use crate::study::plot::{Axis, Line, Panel, PlotError, Style, svg};
 
 /// What changes. Along g the reduced medium stays the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -265,14 +265,8 @@ pub fn figure(sweep: &Sweep, points: &[SweepPoint]) -> Result<String, PlotError>
         style: Style { color: [0xaa, 0xaa, 0xaa], dashes: "2 2" },
         points: points.iter().map(|point| (point.value, 100.0 * point.result.noise)).collect(),
     });
-    let panel = |title: &str, y: Axis, lines| Panel {
-        title: title.into(),
-        x: x(),
-        y,
-        lines,
-        dots_name: String::new(),
-        dots: Vec::<Dot>::new(),
-    };
+    let panel =
+        |title: &str, y: Axis, lines| Panel { title: title.into(), x: x(), y, lines, dots: Vec::new() };
     let (low, high) = extent(&errors);
     let albedo_axis =
         Axis {

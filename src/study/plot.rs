@@ -1,11 +1,11 @@
-//! Line charts as SVG, side by side, with one legend.
+//! Line charts as SVG: alone, or side by side with one legend.
 
 use std::ops::Range;
 
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
 
-use super::lengths::significant;
+use super::numbers::significant;
 
 /// How a line looks: in greyscale print and to colour-blind eyes dashes tell lines apart, too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,6 +38,17 @@ pub struct Dot {
     pub error: f64,
 }
 
+/// Dots of one kind.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dots {
+    /// Name in the legend; where it is empty they are not named there.
+    pub name: String,
+    /// sRGB.
+    pub color: [u8; 3],
+    /// Those that are not finite are left out.
+    pub points: Vec<Dot>,
+}
+
 /// An axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
@@ -60,10 +71,8 @@ pub struct Panel {
     pub y: Axis,
     /// Lines.
     pub lines: Vec<Line>,
-    /// Name of the dots in the legend.
-    pub dots_name: String,
     /// Dots, over the lines.
-    pub dots: Vec<Dot>,
+    pub dots: Vec<Dots>,
 }
 
 /// Size of a panel in pixels.
@@ -94,6 +103,20 @@ pub fn svg(panels: &[Panel]) -> Result<String, PlotError> {
         root.present()?;
     }
     Ok(dashed(content, panels))
+}
+
+/// One panel without a legend, as an `<svg>` element that scales to where it stands.
+///
+/// # Errors
+/// If the library cannot draw it, for instance because a range is empty.
+pub fn chart(panel: &Panel) -> Result<String, PlotError> {
+    let mut content = String::new();
+    {
+        let root = SVGBackend::with_string(&mut content, SIZE).into_drawing_area();
+        draw(&root, panel)?;
+        root.present()?;
+    }
+    Ok(dashed(content, std::slice::from_ref(panel)))
 }
 
 /// The drawing library has no dashes of its own. Each colour is one line's, and gets that line's dashes.
@@ -167,14 +190,18 @@ where
     S: Ranged<ValueType = f64>,
 {
     let inside = |dot: &&Dot| panel.x.range.contains(&dot.x) && panel.y.range.contains(&dot.y);
-    let seen: Vec<&Dot> = panel.dots.iter().filter(inside).collect();
-    let bars = seen.iter().map(|dot| {
-        let Range { start, end } = panel.y.range;
-        let ends = [dot.y - dot.error, dot.y + dot.error].map(|y| y.clamp(start, end));
-        PathElement::new(ends.map(|y| (dot.x, y)).to_vec(), BLACK)
-    });
-    chart.draw_series(bars)?;
-    chart.draw_series(seen.iter().map(|dot| Circle::new((dot.x, dot.y), 2, BLACK.filled())))?;
+    for Dots { color: [r, g, b], points, .. } in &panel.dots {
+        let seen: Vec<&Dot> = points.iter().filter(inside).collect();
+        let bars = seen.iter().filter(|dot| dot.error.is_finite()).map(|dot| {
+            let Range { start, end } = panel.y.range;
+            let ends = [dot.y - dot.error, dot.y + dot.error].map(|y| y.clamp(start, end));
+            PathElement::new(ends.map(|y| (dot.x, y)).to_vec(), BLACK)
+        });
+        chart.draw_series(bars)?;
+        let radius = if [*r, *g, *b] == [0; 3] { 2 } else { 3 };
+        let fill = RGBColor(*r, *g, *b).filled();
+        chart.draw_series(seen.iter().map(|dot| Circle::new((dot.x, dot.y), radius, fill)))?;
+    }
     Ok(())
 }
 
@@ -193,11 +220,12 @@ fn draw_legend(area: &Area, panels: &[Panel]) -> Result<(), PlotError> {
         area.draw(&PathElement::new(vec![(0, y), (36, y)], line_style(line)))?;
         area.draw_text(&line.name, &text, (44, y - 7))?;
     }
-    if let Some(panel) = panels.iter().find(|panel| !panel.dots.is_empty()) {
+    let named = panels.iter().flat_map(|panel| &panel.dots).find(|dots| !dots.name.is_empty());
+    if let Some(dots) = named {
         let y = place(lines.len());
         area.draw(&PathElement::new(vec![(18, y - 7), (18, y + 7)], BLACK))?;
         area.draw(&Circle::new((18, y), 3, BLACK.filled()))?;
-        area.draw_text(&panel.dots_name, &text, (44, y - 7))?;
+        area.draw_text(&dots.name, &text, (44, y - 7))?;
     }
     Ok(())
 }
@@ -309,14 +337,19 @@ mod tests {
             x: axis(true),
             y: axis(true),
             lines: vec![line.clone()],
-            dots_name: "dots".into(),
-            dots: vec![Dot { x: 2.0, y: 2.0, error: 5.0 }],
+            dots: vec![Dots {
+                name: "dots".into(),
+                color: [0; 3],
+                points: vec![Dot { x: 2.0, y: 2.0, error: 5.0 }],
+            }],
         };
         let pieces = clipped(&line, &panel);
         assert_eq!(pieces.len(), 2);
         let (x, y) = pieces[0][1];
         // On the straight line of the logarithms; a few roundings.
         assert!((x - 10.0_f64.sqrt()).abs() < 1e-12 && (y - 100.0).abs() < 1e-11, "{x} {y}");
+        let alone = chart(&panel).unwrap();
+        assert!(alone.starts_with("<svg") && alone.contains("viewBox") && !alone.contains("dots"), "{alone}");
         let svg = svg(&[panel.clone(), panel]).unwrap();
         assert!(svg.contains("stroke=\"#010203\" stroke-dasharray=\"8 4\""), "{svg}");
         assert!(svg.contains("a &amp; b") && svg.trim_end().ends_with("</svg>"));

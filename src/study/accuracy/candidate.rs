@@ -1,0 +1,140 @@
+//! What is compared: methods, with the diffusion profile where they have one.
+
+use crate::scene::{Method, ProfileChoice};
+use crate::study::plot::Style;
+
+/// A method and the profile that it uses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Candidate {
+    /// How light under the surface is computed.
+    pub method: Method,
+    /// The diffusion profile; `auto` where the method has none.
+    pub profile: ProfileChoice,
+}
+
+const fn bssrdf(profile: ProfileChoice) -> Candidate {
+    Candidate { method: Method::Bssrdf, profile }
+}
+
+impl Candidate {
+    /// Light leaves where it entered.
+    pub const DIFFUSE: Self = Self { method: Method::Diffuse, profile: ProfileChoice::Auto };
+    /// The area integral with the profile that is the truth on a plane.
+    pub const TABULATED: Self = bssrdf(ProfileChoice::Tabulated);
+    /// The area integral with the profile that knows the direction of entry.
+    pub const DIRECTIONAL: Self = bssrdf(ProfileChoice::DirectionalDipole);
+    /// The random walk.
+    pub const WALK: Self = Self { method: Method::Walk, profile: ProfileChoice::Auto };
+
+    /// All there are, cheapest first.
+    pub const ALL: [Self; 8] = [
+        Self::DIFFUSE,
+        Self::TABULATED,
+        bssrdf(ProfileChoice::PhotonBeam),
+        bssrdf(ProfileChoice::NormalizedDiffusion),
+        Self::DIRECTIONAL,
+        bssrdf(ProfileChoice::BetterDipole),
+        bssrdf(ProfileChoice::Dipole),
+        Self::WALK,
+    ];
+
+    /// Name of the method as on the command line.
+    pub fn method_name(self) -> &'static str {
+        Method::NAMES.iter().find(|(_, method)| *method == self.method).map_or("", |(name, _)| name)
+    }
+
+    /// Name of the profile, where there is one.
+    pub fn profile_name(self) -> Option<&'static str> {
+        (self.method == Method::Bssrdf).then(|| self.profile.name())
+    }
+
+    /// A short name, also of files.
+    pub fn name(self) -> String {
+        match self.profile_name() {
+            Some(profile) => format!("{}-{profile}", self.method_name()),
+            None => self.method_name().into(),
+        }
+    }
+
+    /// In a sentence, after "use".
+    pub fn in_words(self) -> String {
+        match (self.method, self.profile_name()) {
+            (Method::Walk, _) => "the walk".into(),
+            (_, Some(profile)) => format!("{} with the profile {profile}", self.method_name()),
+            _ => self.method_name().into(),
+        }
+    }
+
+    /// Where it stands in [`Self::ALL`].
+    pub fn index(self) -> usize {
+        Self::ALL.iter().position(|&other| other == self).unwrap_or(Self::ALL.len())
+    }
+
+    /// Colours of Okabe and Ito 2008, which colour-blind people tell apart, and dashes.
+    pub fn style(self) -> Style {
+        let (color, dashes) = match (self.method, self.profile) {
+            (Method::Walk, _) => ([0x1a, 0x1a, 0x1a], ""),
+            (Method::Diffuse, _) => ([0x88, 0x88, 0x88], "2 4"),
+            (_, ProfileChoice::PhotonBeam) => ([0xcc, 0x79, 0xa7], "12 3 3 3 3 3"),
+            (_, ProfileChoice::NormalizedDiffusion) => ([0xd5, 0x5e, 0x00], "6 3"),
+            (_, ProfileChoice::DirectionalDipole) => ([0x00, 0x9e, 0x73], "12 4 3 4"),
+            (_, ProfileChoice::BetterDipole) => ([0x56, 0xb4, 0xe9], "3 3"),
+            (_, ProfileChoice::Dipole) => ([0xe6, 0x9f, 0x00], "9 4"),
+            _ => ([0x00, 0x72, 0xb2], ""),
+        };
+        Style { color, dashes }
+    }
+}
+
+/// The candidates that `names` ask for, each once and in the order of [`Candidate::ALL`]; all for none. A name is
+/// `diffuse`, `walk`, that of a profile, or `bssrdf` for all profiles.
+///
+/// # Errors
+/// What is wrong with a name.
+pub fn candidates(names: &[String]) -> Result<Vec<Candidate>, String> {
+    let asked = |name: &str, candidate: &Candidate| {
+        name == candidate.method_name() || Some(name) == candidate.profile_name() || name == candidate.name()
+    };
+    for name in names {
+        if !Candidate::ALL.iter().any(|candidate| asked(name, candidate)) {
+            return Err(unknown(name));
+        }
+    }
+    let wanted = |candidate: &Candidate| names.is_empty() || names.iter().any(|name| asked(name, candidate));
+    Ok(Candidate::ALL.into_iter().filter(wanted).collect())
+}
+
+fn unknown(name: &str) -> String {
+    let profiles: Vec<_> = Candidate::ALL.iter().filter_map(|candidate| candidate.profile_name()).collect();
+    format!(
+        "--methods: there is no \"{name}\"; known are diffuse, walk, bssrdf (with every profile), and for one profile {}",
+        profiles.join(", ")
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_choose() {
+        let chosen = |names: &[&str]| {
+            candidates(&names.iter().map(ToString::to_string).collect::<Vec<_>>())
+                .map(|found| found.iter().map(|candidate| candidate.name()).collect::<Vec<_>>())
+        };
+        assert_eq!(chosen(&[]).unwrap().len(), 8);
+        assert_eq!(chosen(&["walk", "tabulated", "walk"]).unwrap(), ["bssrdf-tabulated", "walk"]);
+        assert_eq!(chosen(&["bssrdf"]).unwrap().len(), 6);
+        assert!(chosen(&["auto"]).unwrap_err().contains("\"auto\""));
+    }
+
+    #[test]
+    fn each_has_its_own_name_and_colour() {
+        for (i, a) in Candidate::ALL.iter().enumerate() {
+            assert_eq!(a.index(), i);
+            for b in &Candidate::ALL[..i] {
+                assert!(a.name() != b.name() && a.style().color != b.style().color);
+            }
+        }
+    }
+}

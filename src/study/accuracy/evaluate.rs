@@ -1,0 +1,394 @@
+//! From the runs on the disk to figures.
+
+use super::candidate::Candidate;
+use super::collisions::expected;
+use super::crossover::crossover;
+use super::effects::Effect;
+use super::errors::{Moments, Reference, Region, channels, picture, squared_difference};
+use super::jackknife::jackknife;
+use super::model::{CurvePoint, fit};
+use super::plan::{ANY_DIRECTION, PARTS_OF_HALF, Plan, REFERENCE, RUNS_OF_EFFECT, Role, series};
+use super::results::{
+    CandidateResult, EffectResult, ErrorPart, MeanPoint, PartKind, ReferenceResult, RegionResult, Results,
+};
+use super::store::{Record, Store};
+use super::tail::tail_index;
+use crate::scene::{ProfileChoice, Scene};
+use crate::slab::Estimate;
+
+/// Index of the region of all translucent bodies.
+pub const BODIES: usize = 1;
+
+/// A spread of the seconds of runs above this share is said.
+const UNSTEADY: f64 = 0.2;
+
+/// Runs of one kind.
+struct Runs {
+    records: Vec<Record>,
+    values: Vec<Vec<f64>>,
+}
+
+impl Runs {
+    fn load(store: &Store, name: &str, count: usize) -> Self {
+        let runs = (0..count).filter_map(|run| store.run(name, run));
+        let (records, values) = runs.map(|run| (run.record, channels(&run.picture))).unzip();
+        Self { records, values }
+    }
+
+    fn moments(&self, left_out: Option<usize>) -> Moments {
+        let kept = self.values.iter().enumerate().filter(move |(k, _)| Some(*k) != left_out);
+        Moments::of(kept.map(|(_, values)| values))
+    }
+
+    fn mean_record(&self, left_out: Option<usize>, value: impl Fn(&Record) -> f64) -> f64 {
+        let kept = self.records.iter().enumerate().filter(|(k, _)| Some(*k) != left_out);
+        let values: Vec<f64> = kept.map(|(_, record)| value(record)).collect();
+        values.iter().sum::<f64>() / values.len().max(1) as f64
+    }
+}
+
+/// The reference with its samples per pixel and seconds; `None` while a part of it is missing.
+pub fn reference(store: &Store) -> Option<(Reference, (u64, f64))> {
+    let parts = Runs::load(store, REFERENCE, 2 * PARTS_OF_HALF);
+    if parts.records.len() < 2 * PARTS_OF_HALF {
+        return None;
+    }
+    let half = |half: usize| Moments::of(parts.values.iter().skip(half).step_by(2)).mean;
+    let total = parts.records.iter().map(Record::end).fold((0, 0.0), |(n, t), (spp, s)| (n + spp, t + s));
+    Some((Reference::new([half(0), half(1)]), total))
+}
+
+/// What can be said of the runs that are there; `None` if the reference, or any candidate, is missing.
+pub fn evaluate(scene: &Scene, plan: &Plan, store: &Store, regions: &[Region]) -> Option<Results> {
+    let settings = &plan.settings;
+    let (truth, (spp, seconds)) = reference(store)?;
+    let (width, height) = (settings.width, settings.height);
+    let mut results = Results {
+        plan: plan.clone(),
+        regions: regions.to_vec(),
+        reference: ReferenceResult {
+            candidate: settings.reference(),
+            spp,
+            seconds,
+            noise: regions.iter().map(|region| truth.noise(region)).collect(),
+            picture: picture(width, height, &truth.mean),
+            variance: (0..truth.mean.len()).map(|i| truth.variance(i)).collect(),
+        },
+        candidates: Vec::new(),
+        parts: Vec::new(),
+        effects: Vec::new(),
+        collisions: expected(scene),
+        warnings: Vec::new(),
+    };
+    let mut known = Known { truth, means: Vec::new() };
+    for candidate in settings.candidates() {
+        let runs = Runs::load(store, &candidate.name(), settings.seeds);
+        if runs.records.len() >= 2 {
+            let moments = runs.moments(None);
+            results.candidates.push(known.candidate(candidate, &runs, &moments, regions, (width, height)));
+            known.means.push((candidate, moments));
+        }
+    }
+    if results.candidates.is_empty() {
+        return None;
+    }
+    add_crossovers(&mut results);
+    results.parts = known.parts(store, settings.seeds, &regions[BODIES], &results);
+    results.effects = known.effects(scene, store, &regions[BODIES], plan);
+    results.warnings = warnings(&results);
+    Some(results)
+}
+
+struct Known {
+    truth: Reference,
+    means: Vec<(Candidate, Moments)>,
+}
+
+impl Known {
+    fn candidate(
+        &self,
+        candidate: Candidate,
+        runs: &Runs,
+        moments: &Moments,
+        regions: &[Region],
+        (width, height): (u32, u32),
+    ) -> CandidateResult {
+        let seconds = runs.mean_record(None, |record| record.end().1);
+        let spread = jackknife(runs.records.len(), |left_out| {
+            vec![runs.mean_record(left_out, |record| record.end().1)]
+        })[0];
+        let deviations = || {
+            runs.values.iter().flat_map(|values| {
+                (0..values.len()).map(|i| (values[i] - moments.mean[i]).powi(2) * self.truth.weight[i])
+            })
+        };
+        CandidateResult {
+            candidate,
+            runs: runs.records.len(),
+            setup_seconds: runs.mean_record(None, |record| record.setup_seconds),
+            spp: runs.records.first().map_or(0, |record| record.end().0),
+            seconds,
+            unsteadiness: spread.standard_error * (runs.records.len() as f64).sqrt() / seconds,
+            picture: picture(width, height, &moments.mean),
+            variance: moments.variance.clone(),
+            tail: tail_index(deviations().collect()),
+            firefly_share: firefly_share(&moments.variance, &self.truth.weight),
+            nonfinite: runs.records.iter().map(|record| record.nonfinite).sum(),
+            capped: runs.records.iter().map(|record| record.capped).sum(),
+            by_region: self.by_region(runs, moments, regions),
+        }
+    }
+
+    fn by_region(&self, runs: &Runs, moments: &Moments, regions: &[Region]) -> Vec<RegionResult> {
+        let levels = runs.records.iter().map(|record| record.points.len()).min().unwrap_or(0);
+        // For each region: B², V, B² and V fitted, relMSE of each level.
+        let width = 4 + levels;
+        let figures = jackknife(runs.records.len(), |left_out| {
+            let moments = runs.moments(left_out);
+            let seconds = runs.mean_record(left_out, |record| record.end().1);
+            regions
+                .iter()
+                .enumerate()
+                .flat_map(|(r, region)| {
+                    let points = mean_points(runs, left_out, r, levels);
+                    let curve = fit(&points);
+                    let mut values = vec![
+                        self.truth.bias_squared(&moments, region),
+                        self.truth.noise_of_run(&moments, region) * seconds,
+                        curve.bias_squared,
+                        curve.variance_seconds,
+                    ];
+                    values.extend(points.iter().map(|point| point.relmse));
+                    values
+                })
+                .collect()
+        });
+        let of_region = |(r, region): (usize, &Region)| {
+            let of = &figures[r * width..(r + 1) * width];
+            let by_reference = self.truth.error_of_bias_squared(moments, region);
+            let bias_squared = Estimate { standard_error: of[0].standard_error.hypot(by_reference), ..of[0] };
+            let points = mean_points(runs, None, r, levels);
+            let spp = |level: usize| runs.records[0].points[level].spp;
+            let point = |(level, point): (usize, &CurvePoint)| MeanPoint {
+                spp: spp(level),
+                seconds: point.seconds,
+                relmse: of[4 + level],
+            };
+            RegionResult {
+                bias_squared,
+                variance_seconds: of[1],
+                fitted: [of[2], of[3]],
+                falls_as: falls_as(&points, bias_squared.value),
+                points: points.iter().enumerate().map(point).collect(),
+                crossover: None,
+            }
+        };
+        regions.iter().enumerate().map(of_region).collect()
+    }
+
+    fn moments(&self, candidate: Candidate) -> Option<&Moments> {
+        self.means.iter().find(|(known, _)| *known == candidate).map(|(_, moments)| moments)
+    }
+
+    /// Relative difference of each pixel, mean of the channels.
+    fn map(&self, a: &[f64], b: &[f64]) -> Vec<f64> {
+        let relative = |i: usize| (a[i] - b[i]) * self.truth.weight[i].sqrt();
+        (0..a.len() / 3)
+            .map(|p| (relative(3 * p) + relative(3 * p + 1) + relative(3 * p + 2)) / 3.0)
+            .collect()
+    }
+
+    /// The error taken apart by exchanging one approximation after another.
+    fn parts(&self, store: &Store, seeds: usize, bodies: &Region, results: &Results) -> Vec<ErrorPart> {
+        let mut parts = Vec::new();
+        let truth = results.reference.candidate;
+        if let Some((exact, result)) =
+            self.moments(Candidate::TABULATED).zip(results.of(Candidate::TABULATED))
+            && truth != Candidate::TABULATED
+        {
+            parts.push(ErrorPart {
+                kind: PartKind::Geometry,
+                title: format!("{} − {}", Candidate::TABULATED.name(), truth.name()),
+                square: result.by_region[BODIES].bias_squared,
+                map: self.map(&exact.mean, &self.truth.mean),
+            });
+        }
+        let exact = self.moments(Candidate::TABULATED);
+        for (candidate, moments) in self.means.iter().filter(|(candidate, _)| is_model(*candidate)) {
+            let Some(exact) = exact else { break };
+            parts.push(ErrorPart {
+                kind: PartKind::Profile,
+                title: format!("{} − {}", candidate.name(), Candidate::TABULATED.name()),
+                square: squared_difference(moments, exact, &self.truth.weight, bodies),
+                map: self.map(&moments.mean, &exact.mean),
+            });
+        }
+        let any_direction = Runs::load(store, ANY_DIRECTION, seeds);
+        if let Some(directional) = self.moments(Candidate::DIRECTIONAL)
+            && any_direction.records.len() >= 2
+        {
+            let without = any_direction.moments(None);
+            parts.push(ErrorPart {
+                kind: PartKind::Direction,
+                title: format!("{} − the same for light from all sides", Candidate::DIRECTIONAL.name()),
+                square: squared_difference(directional, &without, &self.truth.weight, bodies),
+                map: self.map(&directional.mean, &without.mean),
+            });
+        }
+        parts.extend(results.candidates.iter().map(|result| self.sampling(result, bodies)));
+        parts
+    }
+
+    /// The standard deviation after [`SAMPLING_SECONDS`].
+    fn sampling(&self, result: &CandidateResult, bodies: &Region) -> ErrorPart {
+        let scale = result.seconds / SAMPLING_SECONDS;
+        let square = |i: usize| result.variance[i] * scale * self.truth.weight[i];
+        let pixels = 0..result.variance.len() / 3;
+        let variance = result.by_region[BODIES].variance_seconds * (1.0 / SAMPLING_SECONDS);
+        ErrorPart {
+            kind: PartKind::Sampling,
+            title: format!("{} after {SAMPLING_SECONDS:.0} s", result.candidate.name()),
+            square: Estimate { value: bodies.mean(square), ..variance },
+            map: pixels
+                .map(|p| ((square(3 * p) + square(3 * p + 1) + square(3 * p + 2)) / 3.0).sqrt())
+                .collect(),
+        }
+    }
+
+    fn effects(&self, scene: &Scene, store: &Store, bodies: &Region, plan: &Plan) -> Vec<EffectResult> {
+        let all = series(scene, &plan.settings);
+        let load = |wanted: Option<Effect>| {
+            let found = all.iter().find(|series| series.role == Role::Effect(wanted))?;
+            let runs = Runs::load(store, &found.name(), found.runs);
+            (runs.records.len() == RUNS_OF_EFFECT).then_some(runs)
+        };
+        let Some(with) = load(None) else { return Vec::new() };
+        let of_effect = |effect: Effect| {
+            let without = load(Some(effect))?;
+            let off = without.moments(None);
+            let seconds = [&with, &without].map(|runs| runs.mean_record(None, |record| record.end().1));
+            let square = Estimate {
+                value: self.truth.bias_squared(&off, bodies),
+                standard_error: self.truth.error_of_bias_squared(&off, bodies).hypot(noise_of_square(
+                    &off,
+                    &self.truth,
+                    bodies,
+                )),
+            };
+            let spp = without.records.first().map_or(0, |record| record.end().0);
+            let bias = [0, 1, 2].map(|channel| self.bias_of_channel(&off, channel, bodies));
+            Some(EffectResult { effect, spp, seconds, square, bias })
+        };
+        Effect::ALL.into_iter().filter_map(of_effect).collect()
+    }
+
+    /// Relative error of the mean of a channel.
+    fn bias_of_channel(&self, off: &Moments, channel: usize, region: &Region) -> Estimate {
+        let sum = |value: &dyn Fn(usize) -> f64| -> f64 {
+            region.pixels.iter().map(|&p| value(3 * p + channel)).sum()
+        };
+        let mean = sum(&|i| self.truth.mean[i]);
+        let variance = sum(&|i| off.variance_of_mean(i) + self.truth.variance(i));
+        Estimate {
+            value: sum(&|i| off.mean[i] - self.truth.mean[i]) / mean,
+            standard_error: variance.sqrt() / mean.abs(),
+        }
+    }
+}
+
+/// Seconds after which the noise of candidates is shown.
+pub const SAMPLING_SECONDS: f64 = 10.0;
+
+fn is_model(candidate: Candidate) -> bool {
+    candidate.profile_name().is_some() && candidate.profile != ProfileChoice::Tabulated
+}
+
+/// Standard error of B² by the noise of a few runs, as [`squared_difference`] has it.
+fn noise_of_square(runs: &Moments, truth: &Reference, region: &Region) -> f64 {
+    let variance = region.mean(|i| {
+        let noise = runs.variance_of_mean(i);
+        let square = ((runs.mean[i] - truth.mean[i]).powi(2) - noise - truth.variance(i)).max(0.0);
+        (4.0 * square * noise + 2.0 * noise * noise) * truth.weight[i].powi(2)
+    });
+    (variance / (3 * region.pixels.len().max(1)) as f64).sqrt()
+}
+
+fn mean_points(runs: &Runs, left_out: Option<usize>, region: usize, levels: usize) -> Vec<CurvePoint> {
+    let point = |level: usize| CurvePoint {
+        seconds: runs.mean_record(left_out, |record| record.points[level].seconds),
+        relmse: runs.mean_record(left_out, |record| {
+            record.points[level].relmse.get(region).copied().unwrap_or(f64::NAN)
+        }),
+    };
+    (0..levels).map(point).collect()
+}
+
+/// The exponent with which relMSE less the bias falls from the first point to the last; NaN where the bias hides it.
+fn falls_as(points: &[CurvePoint], bias_squared: f64) -> f64 {
+    let [Some(first), Some(last)] = [points.first(), points.last()] else { return f64::NAN };
+    let noise = |point: &CurvePoint| point.relmse - bias_squared.max(0.0);
+    (noise(first) / noise(last)).ln() / (last.seconds / first.seconds).ln()
+}
+
+fn firefly_share(variance: &[f64], weight: &[f64]) -> f64 {
+    let mut terms: Vec<f64> = variance.iter().zip(weight).map(|(v, w)| v * w).collect();
+    let total: f64 = terms.iter().sum();
+    if terms.is_empty() || total <= 0.0 {
+        return 0.0;
+    }
+    let noisiest = terms.len().div_ceil(1000);
+    terms.select_nth_unstable_by(noisiest - 1, |a, b| b.total_cmp(a));
+    terms[..noisiest].iter().sum::<f64>() / total
+}
+
+fn add_crossovers(results: &mut Results) {
+    let Some(walk) = results.of(Candidate::WALK) else { return };
+    let of_walk: Vec<Estimate> = walk.by_region.iter().map(|region| region.variance_seconds).collect();
+    for result in results.candidates.iter_mut().filter(|result| result.candidate != Candidate::WALK) {
+        for (region, of_walk) in result.by_region.iter_mut().zip(&of_walk) {
+            region.crossover = Some(crossover(region.bias_squared, region.variance_seconds, *of_walk));
+        }
+    }
+}
+
+fn warnings(results: &Results) -> Vec<String> {
+    let mut warnings: Vec<String> = results
+        .plan
+        .skipped
+        .iter()
+        .map(|(name, reason)| format!("{name} is not in the study: {reason}"))
+        .collect();
+    for result in &results.candidates {
+        let name = result.candidate.name();
+        if let Some(tail) = result.tail.filter(super::tail::TailIndex::is_heavy) {
+            warnings.push(format!(
+                "{name}: the tail of its noise has the index {:.1} ± {:.1}, below 2: rare bright samples decide, and its variance, and all that follows from it, is not to be trusted",
+                tail.index, 2.0 * tail.standard_error
+            ));
+        }
+        if result.unsteadiness > UNSTEADY {
+            warnings.push(format!(
+                "{name}: the same work took times that differ by {:.0} % (one σ): the machine was busy with other things",
+                100.0 * result.unsteadiness
+            ));
+        }
+        if result.runs < results.plan.settings.seeds {
+            warnings
+                .push(format!("{name}: {} of {} runs are done", result.runs, results.plan.settings.seeds));
+        }
+        if result.nonfinite > 0 {
+            warnings
+                .push(format!("{name}: {} samples were not finite and were left black", result.nonfinite));
+        }
+        if result.capped > 0 {
+            warnings.push(format!("{name}: {} paths were cut by the limit on their length", result.capped));
+        }
+    }
+    if results.reference.candidate != Candidate::WALK {
+        warnings.push(format!(
+            "the reference is {}, not the random walk: errors are differences from it, not from the truth",
+            results.reference.candidate.name()
+        ));
+    }
+    warnings
+}
