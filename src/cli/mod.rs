@@ -1,5 +1,6 @@
 //! Commands: parse, call, print. One file a command.
 
+mod backend;
 mod bar;
 mod choice;
 mod compare;
@@ -17,6 +18,7 @@ mod slab;
 mod slab_outputs;
 mod slab_report;
 mod stop;
+mod study;
 mod threads;
 mod tonemap;
 
@@ -55,6 +57,8 @@ enum Command {
     Slab(slab::SlabArgs),
     /// Studies diffusion profiles: every model of R(r) beside photon Monte Carlo, as tables and pictures
     Profile(profile::ProfileArgs),
+    /// Shows what accuracy costs in time: error against seconds for every method, as a report of one file
+    Study(study::StudyArgs),
     /// Lists the measured materials with their sources
     Materials(materials::MaterialsArgs),
 }
@@ -86,6 +90,7 @@ fn run(command: Command) -> Result<(), CliError> {
         Command::Compare(args) => compare::run(&args),
         Command::Slab(args) => slab::run(&args),
         Command::Profile(args) => profile::run(&args),
+        Command::Study(args) => study::run(&args),
         Command::Materials(args) => materials::run(&args),
     }
 }

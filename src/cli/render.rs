@@ -6,6 +6,7 @@ use std::sync::atomic::Ordering;
 
 use clap::Args;
 
+use super::backend::{RayWork, run_on};
 use super::choice::{LayerChoice, ViewChoice, finite, name_of, named, positive};
 use super::console::{print_line, say};
 use super::error::CliError;
@@ -20,7 +21,6 @@ use crate::film::layers::Channel;
 use crate::film::output::{Format, check_writable, replace};
 use crate::film::schedule::{Limits, Status};
 use crate::film::{Film, exr, png};
-use crate::raycast::bvh::BvhCaster;
 use crate::raycast::{Backend, Geometry, RayCaster, RaycastError};
 use crate::scene::{Method, ProfileChoice, Scene, read_scene};
 use crate::transport::{Counters, RenderOptions, Renderer};
@@ -88,37 +88,22 @@ pub fn run(args: &RenderArgs) -> Result<(), CliError> {
     args.threads.start()?;
     let scene = scene_with_overrides(args)?;
     scene.warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
-    match args.backend {
-        Backend::Embree => render_with_embree(args, scene),
-        Backend::Bvh => render_with(args, scene, BvhCaster::new),
-    }
+    run_on(args.backend, Render { args, scene })
 }
 
-#[cfg(feature = "embree")]
-fn render_with_embree(args: &RenderArgs, scene: Scene) -> Result<(), CliError> {
-    use crate::raycast::embree::EmbreeCaster;
-    let threads = rayon::current_num_threads();
-    render_with(args, scene, |geometry| EmbreeCaster::new(geometry, threads))
-}
-
-#[cfg(not(feature = "embree"))]
-fn render_with_embree(_args: &RenderArgs, _scene: Scene) -> Result<(), CliError> {
-    Err(CliError::input(
-        "--backend embree: this program was built without Embree; use --backend bvh, or build it with the \
-         feature `embree`",
-    ))
-}
-
-/// Renders `scene` with the ray caster that `build` makes, and saves the pictures.
-fn render_with<C: RayCaster>(
-    args: &RenderArgs,
+struct Render<'a> {
+    args: &'a RenderArgs,
     scene: Scene,
-    build: impl FnOnce(&Geometry) -> Result<C, RaycastError>,
-) -> Result<(), CliError> {
-    let options = options(args, &scene);
-    let film = Film::new(scene.film.width, scene.film.height)?;
-    let renderer = Renderer::new(scene, options, build)?;
-    render_and_save(args, &renderer, film)
+}
+
+impl RayWork for Render<'_> {
+    fn run<C: RayCaster>(self, build: impl Fn(&Geometry) -> Result<C, RaycastError>) -> Result<(), CliError> {
+        let Self { args, scene } = self;
+        let options = options(args, &scene);
+        let film = Film::new(scene.film.width, scene.film.height)?;
+        let renderer = Renderer::new(scene, options, build)?;
+        render_and_save(args, &renderer, film)
+    }
 }
 
 fn scene_with_overrides(args: &RenderArgs) -> Result<Scene, CliError> {
