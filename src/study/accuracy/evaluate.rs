@@ -80,7 +80,7 @@ pub fn evaluate(scene: &Scene, plan: &Plan, store: &Store, regions: &[Region]) -
         collisions: expected(scene),
         warnings: Vec::new(),
     };
-    let mut known = Known { truth, means: Vec::new() };
+    let mut known = Known { truth, truth_by: settings.reference(), means: Vec::new() };
     for candidate in settings.candidates() {
         let runs = Runs::load(store, &candidate.name(), settings.seeds);
         if runs.records.len() >= 2 {
@@ -101,6 +101,7 @@ pub fn evaluate(scene: &Scene, plan: &Plan, store: &Store, regions: &[Region]) -
 
 struct Known {
     truth: Reference,
+    truth_by: Candidate,
     means: Vec<(Candidate, Moments)>,
 }
 
@@ -135,11 +136,17 @@ impl Known {
             firefly_share: firefly_share(&moments.variance, &self.truth.weight),
             nonfinite: runs.records.iter().map(|record| record.nonfinite).sum(),
             capped: runs.records.iter().map(|record| record.capped).sum(),
-            by_region: self.by_region(runs, moments, regions),
+            by_region: self.by_region(candidate == self.truth_by, runs, moments, regions),
         }
     }
 
-    fn by_region(&self, runs: &Runs, moments: &Moments, regions: &[Region]) -> Vec<RegionResult> {
+    fn by_region(
+        &self,
+        is_truth: bool,
+        runs: &Runs,
+        moments: &Moments,
+        regions: &[Region],
+    ) -> Vec<RegionResult> {
         let levels = runs.records.iter().map(|record| record.points.len()).min().unwrap_or(0);
         // For each region: B², V, B² and V fitted, relMSE of each level.
         let width = 4 + levels;
@@ -176,6 +183,7 @@ impl Known {
             };
             RegionResult {
                 bias_squared,
+                is_truth,
                 variance_seconds: of[1],
                 fitted: [of[2], of[3]],
                 falls_as: falls_as(&points, bias_squared.value),

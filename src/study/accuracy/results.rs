@@ -5,6 +5,7 @@ use super::collisions::ExpectedCollisions;
 use super::crossover::Crossover;
 use super::effects::Effect;
 use super::errors::Region;
+use super::jackknife::SIGMAS;
 use super::model::Curve;
 use super::plan::Plan;
 use super::tail::TailIndex;
@@ -81,6 +82,8 @@ pub struct CandidateResult {
 pub struct RegionResult {
     /// B²: unbiased, so that it may be below 0 by noise.
     pub bias_squared: Estimate,
+    /// True of what renders the reference: its B² is 0, and what was found is a check.
+    pub is_truth: bool,
     /// V, s.
     pub variance_seconds: Estimate,
     /// B² and V by a fit to the points, as a check.
@@ -94,12 +97,21 @@ pub struct RegionResult {
 }
 
 impl RegionResult {
-    /// relMSE over time, by the figures.
+    /// relMSE over time, by the figures. A bias that is not told from 0 with 95 % confidence is taken for none.
     pub fn curve(&self) -> Curve {
+        let found = self.bias_squared.value > SIGMAS * self.bias_squared.standard_error;
         Curve {
-            bias_squared: self.bias_squared.value.max(0.0),
+            bias_squared: if found && !self.is_truth { self.bias_squared.value } else { 0.0 },
             variance_seconds: self.variance_seconds.value.max(0.0),
         }
+    }
+
+    /// The largest relMSE that a bias which was not told from 0 may have; 0 where there is none, or it was found.
+    pub fn hidden_bias_squared(&self) -> f64 {
+        if self.is_truth || self.curve().bias_squared > 0.0 {
+            return 0.0;
+        }
+        (self.bias_squared.value + SIGMAS * self.bias_squared.standard_error).max(0.0)
     }
 }
 
