@@ -11,6 +11,7 @@ mod path;
 pub mod renderer;
 pub mod scatterer;
 mod shading;
+pub mod solid;
 pub mod spread;
 pub mod world;
 

@@ -1,6 +1,11 @@
 //! The path tracer: one path from the camera, with direct light at every vertex.
 
+mod passage;
+mod random_walk;
+
 use glam::Vec3;
+
+use random_walk::Walked;
 
 use super::area_integral::{AreaIntegral, EntryPoint};
 use super::counters::Counters;
@@ -9,16 +14,17 @@ use super::interiors::Interiors;
 use super::light_choice::Receiver;
 use super::renderer::Renderer;
 use super::scatterer::Scattering;
-use super::shading::{Orientation, emitted, is_covered, resolve_bsdf};
+use super::shading::{Orientation, emitted, resolve_bsdf};
 use super::spread::{Channels, Spread, Spreading};
 use super::world::{Substance, SurfacePoint};
 use crate::diffusion::Profile;
 use crate::math::robust::offset_from_surface;
+use crate::math::sampler::HashGenerator;
 use crate::math::{Frame, SampleStream};
 use crate::optics::Bsdf;
 use crate::radiometry::Rgb;
-use crate::raycast::{Ray, RayCaster};
-use crate::scene::{Method, ScatteringInput};
+use crate::raycast::{Hit, Ray, RayCaster};
+use crate::scene::{Method, ScatteringInput, Scene};
 
 /// Sets of the sample stream by the place they are used at.
 pub(super) mod place {
@@ -40,6 +46,8 @@ pub(super) mod place {
     pub const ENTRY_LIGHT: u32 = 5;
     /// Partial coverage: beyond all bounces' sets of the low-discrepancy sequence.
     pub const COVERAGE: u32 = 1 << 24;
+    /// Walks inside scattering bodies.
+    pub const WALK: u32 = 1 << 25;
 }
 
 /// Bounces before roulette may end a path.
@@ -48,9 +56,6 @@ const ROULETTE_START: u32 = 3;
 /// Bounces after which a path is cut, where the scene sets no limit. Roulette ends paths long before;
 /// this holds light that total internal reflection and zero absorption keep for ever. It is counted.
 const LONGEST_PATH: u32 = 4096;
-
-/// Surfaces with partial coverage that one ray may pass.
-const MOST_PASSED: u32 = 256;
 
 /// The vertex a ray was scattered from, where direct light could have been drawn as well.
 #[derive(Clone, Copy)]
@@ -61,6 +66,7 @@ struct Origin {
 }
 
 /// Where a path goes on.
+#[derive(Clone, Copy)]
 struct Next {
     origin: Vec3,
     direction: Vec3,
@@ -76,7 +82,12 @@ pub(super) struct Path<'a, C> {
     radiance: Rgb,
     scattered_from: Option<Origin>,
     bounce: u32,
+    /// Surfaces with partial coverage that were not there.
     passed: u32,
+    /// Flights inside scattering bodies.
+    flights: u32,
+    /// For walks, whose length is not known beforehand.
+    random: HashGenerator,
 }
 
 impl<'a, C: RayCaster> Path<'a, C> {
@@ -86,6 +97,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
         interiors: Interiors,
         counters: &'a mut Counters,
     ) -> Self {
+        let random = stream.generator(place::WALK);
         Self {
             renderer,
             stream,
@@ -96,6 +108,8 @@ impl<'a, C: RayCaster> Path<'a, C> {
             scattered_from: None,
             bounce: 0,
             passed: 0,
+            flights: 0,
+            random,
         }
     }
 
@@ -111,15 +125,22 @@ impl<'a, C: RayCaster> Path<'a, C> {
     /// Follows one ray; `None` where the path ends.
     fn step(&mut self, from: &Next) -> Option<Next> {
         let world = &self.renderer.world;
-        self.counters.rays += 1;
-        let Some(hit) = world.caster().closest(&Ray::new(from.origin, from.direction)) else {
+        let inside = self.interiors.current();
+        let (from, hit) = match &inside {
+            Some(body) if body.medium.scatters() => match self.walk(*from, body)? {
+                Walked::Met { from, hit } => (from, Some(hit)),
+                Walked::Escaped(next) => return Some(next),
+            },
+            _ => (*from, self.closest(from)),
+        };
+        let Some(hit) = hit else {
             self.add_environment(from.direction);
             return None;
         };
         let surface = world.surface(&hit);
-        if let Some(inside) = self.interiors.current() {
+        if let Some(body) = inside.filter(|body| !body.medium.scatters()) {
             let distance = surface.position.distance(from.origin);
-            self.throughput *= inside.sigma_a.map(|s| (-s * distance).exp());
+            self.throughput *= body.medium.sigma_a.map(|s| (-s * distance).exp());
         }
         let material = match world.substance(hit.instance) {
             Substance::Light(light) => {
@@ -134,15 +155,15 @@ impl<'a, C: RayCaster> Path<'a, C> {
             return Some(Next { origin, direction: from.direction });
         }
         self.add_material_emission(material, &surface, from.direction);
-        let limit = match self.renderer.options.max_depth {
-            0 => LONGEST_PATH,
-            depth => depth.min(LONGEST_PATH),
-        };
-        if self.bounce >= limit {
+        let walks = self.renderer.options.method == Method::Walk;
+        if walks && self.passes(&surface, from.direction) {
+            return self.pass(&surface, from.direction);
+        }
+        if self.bounce >= self.limit() {
             self.counters.capped_paths += 1;
             return None;
         }
-        let next = if self.renderer.scatterers[material].is_some() {
+        let next = if !walks && self.renderer.scatterers[material].is_some() {
             self.scatter_translucent(material, &surface, -from.direction)
         } else {
             self.scatter_bsdf(material, &surface, -from.direction)
@@ -150,36 +171,50 @@ impl<'a, C: RayCaster> Path<'a, C> {
         self.survives_roulette().then_some(next)
     }
 
+    fn closest(&mut self, from: &Next) -> Option<Hit> {
+        self.counters.rays += 1;
+        self.renderer.world.caster().closest(&Ray::new(from.origin, from.direction))
+    }
+
+    /// Bounces after which the path is cut.
+    fn limit(&self) -> u32 {
+        match self.renderer.options.max_depth {
+            // Total reflection holds what scatters little for long; flights are counted there.
+            0 if self.interiors.current().is_some_and(|body| body.medium.scatters()) => u32::MAX,
+            0 => LONGEST_PATH,
+            depth => depth.min(LONGEST_PATH),
+        }
+    }
+
     fn set(&self, place: u32) -> u32 {
         place::bounce(self.bounce) + place
     }
 
+    /// What the path can bring to the camera. Radiance inside a body is n² times that outside, which its
+    /// throughput makes up for: a path is judged without that factor.
+    fn carried(&self) -> f32 {
+        self.throughput.max_component() * self.interiors.ior().powi(2)
+    }
+
     /// Ends paths that carry little, so that the rest carry as much more.
     fn survives_roulette(&mut self) -> bool {
-        // Radiance inside a body is n² times that outside, which its throughput makes up for: what a path
-        // brings to the camera is judged without that factor.
-        let index = self.interiors.current().map_or(1.0, |inside| inside.ior);
-        let carried = self.throughput.max_component() * index * index;
         let set = self.set(place::SCATTER);
         self.bounce += 1;
+        let start = self.bounce < ROULETTE_START;
+        self.plays(start, |path| path.stream.quad(set)[3])
+    }
+
+    /// Roulette with a number in [0, 1), or only a look whether there is anything to carry on if `spared`.
+    fn plays(&mut self, spared: bool, draw: impl FnOnce(&mut Self) -> f32) -> bool {
+        let carried = self.carried();
         if !(carried > 0.0 && carried.is_finite()) {
             return false;
         }
-        if self.bounce < ROULETTE_START || carried >= 1.0 {
+        if spared || carried >= 1.0 {
             return true;
         }
         self.throughput *= 1.0 / carried;
-        self.stream.quad(set)[3] < carried
-    }
-
-    fn covers(&mut self, material: usize, surface: &SurfacePoint) -> bool {
-        self.passed += 1;
-        if self.passed > MOST_PASSED {
-            return true;
-        }
-        let u = self.stream.quad(place::COVERAGE + self.passed)[0];
-        let scene = self.renderer.world.scene();
-        is_covered(scene, material, surface, u)
+        draw(self) < carried
     }
 
     /// Weight of light found by a scattered ray against the same light drawn directly.
@@ -239,39 +274,8 @@ impl<'a, C: RayCaster> Path<'a, C> {
             self.counters.rejected += 1;
             return;
         }
-        let origin = leave(surface, light.direction);
-        let arrives = self.transmittance(origin, light.direction, light.distance);
+        let arrives = self.arrival(surface, light.direction, light.distance);
         self.radiance += contribution * arrives;
-    }
-
-    /// Share of light that arrives unscattered over `distance`.
-    fn transmittance(&mut self, origin: Vec3, direction: Vec3, distance: f32) -> Rgb {
-        let world = &self.renderer.world;
-        // Short of the light, whose own surface would occlude it.
-        let mut ray = Ray { origin, direction, t_max: distance * (1.0 - 1e-4) };
-        self.counters.rays += 1;
-        if !world.has_partial_coverage() {
-            if world.caster().occluded(&ray) {
-                return Rgb::ZERO;
-            }
-        } else {
-            let end = origin + direction * ray.t_max;
-            while let Some(hit) = world.caster().closest(&ray) {
-                let surface = world.surface(&hit);
-                let Substance::Material(material) = world.substance(hit.instance) else { return Rgb::ZERO };
-                if self.covers(material, &surface) {
-                    return Rgb::ZERO;
-                }
-                ray.origin = leave(&surface, direction);
-                if distance.is_finite() {
-                    ray.t_max = (end - ray.origin).dot(direction);
-                }
-            }
-        }
-        match self.interiors.current() {
-            Some(inside) => inside.sigma_a.map(|s| if s > 0.0 { (-s * distance).exp() } else { 1.0 }),
-            None => Rgb::ONE,
-        }
     }
 
     /// Scatters at a surface that acts where it is hit.
@@ -317,11 +321,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
         self.throughput *= sample.weight;
         self.scattered_from = (!sample.delta).then_some(Origin { receiver, density: sample.density });
         if sample.crosses_boundary {
-            let interior = world.interior(surface.instance);
-            match interior {
-                Some(interior) if wo.dot(surface.geometric_normal) > 0.0 => self.interiors.enter(interior),
-                _ => self.interiors.leave(surface.instance),
-            }
+            self.cross(surface, wo.dot(surface.geometric_normal) > 0.0);
         }
         Some(Next { origin: leave(surface, direction), direction })
     }
@@ -362,20 +362,10 @@ impl<'a, C: RayCaster> Path<'a, C> {
     fn scattering(&self, material: usize, surface: &SurfacePoint) -> Option<Scattering<'a>> {
         let Renderer { world, scatterers, .. } = self.renderer;
         Some(scatterers[material].as_ref()?.at(
-            self.ior_around(),
+            self.interiors.ior(),
             world.diameter(surface.instance),
-            |input| match input {
-                ScatteringInput::Albedo { albedo, .. } => {
-                    world.scene().color(albedo, surface.texture_coordinates, surface.color)
-                }
-                ScatteringInput::Coefficients { .. } => Rgb::ZERO,
-            },
+            |input| wanted_albedo(world.scene(), input, surface),
         ))
-    }
-
-    /// Index of refraction of what the path is in.
-    fn ior_around(&self) -> f32 {
-        self.interiors.current().map_or(1.0, |i| i.ior)
     }
 
     /// The area integral: finds where the light came in, and follows it from there.
@@ -425,7 +415,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
         if world.has_interiors() {
             self.interiors = world.interiors_at(leave(&point, orientation.geometric), orientation.geometric);
         }
-        let immersed = renderer.scatterers[material].as_ref()?.immersed(self.ior_around());
+        let immersed = renderer.scatterers[material].as_ref()?.immersed(self.interiors.ior());
         let offset = surface.position - point.position;
         let dependence = immersed.directional().and_then(|table| {
             DirectionDependence::new(table, &scattering.local, offset, orientation.shading)
@@ -486,6 +476,16 @@ fn bsdf_response(
         response.density += bsdf.density(local_wo, local);
     }
     response
+}
+
+/// The albedo asked for at a point, where the input is one.
+fn wanted_albedo(scene: &Scene, input: &ScatteringInput, surface: &SurfacePoint) -> Rgb {
+    match input {
+        ScatteringInput::Albedo { albedo, .. } => {
+            scene.color(albedo, surface.texture_coordinates, surface.color)
+        }
+        ScatteringInput::Coefficients { .. } => Rgb::ZERO,
+    }
 }
 
 /// `surface`'s position moved off it, to the side of `direction`.

@@ -5,10 +5,11 @@ use thiserror::Error;
 use super::form::{Form, FormError, profile_kind};
 use super::spread::{Spread, Spreading, resolvable};
 use crate::diffusion::{DirectionalWeightTable, HalfSpaceError, ModelKind, NormalizedDiffusion, ProfileKind};
+use crate::medium::albedo_inversion::unreduced_share;
 use crate::medium::{Medium, PlanarAlbedo};
 use crate::optics::boundary::Boundary;
 use crate::radiometry::Rgb;
-use crate::scene::{ScatteringInput, Scene, Surface};
+use crate::scene::{Method, ScatteringInput, Scene, Surface};
 
 /// A material has no such profile.
 #[derive(Debug, Error)]
@@ -109,6 +110,7 @@ impl Scatterer {
             let ior = match &other.surface {
                 Surface::Dielectric { ior, .. } => *ior,
                 Surface::MetallicRoughness(m) => m.ior,
+                Surface::Translucent { ior, .. } if scene.subsurface.method == Method::Walk => *ior,
                 _ => continue,
             };
             if !around.contains(&ior) {
@@ -148,7 +150,7 @@ impl Scatterer {
         albedo: impl FnOnce(&ScatteringInput) -> Rgb,
     ) -> Scattering<'_> {
         let immersed = self.immersed(ior_around);
-        let mut local = immersed.constant.unwrap_or_else(|| self.resolve(immersed, albedo(&self.input)));
+        let mut local = self.local_in(immersed, albedo);
         local.length = local.length.map(|length| resolvable(length, diameter));
         let spreading = match &immersed.form {
             Form::Normalized => Spreading::Normalized(Spread::new(
@@ -161,6 +163,26 @@ impl Scatterer {
             }
         };
         Scattering { boundary: &immersed.boundary, local, spreading }
+    }
+
+    /// What scatters at a point of a body inside a medium of index `ior_around`: the medium of which [`Self::at`]
+    /// gives albedo and profile. `albedo` looks up the albedo where it is textured.
+    pub fn medium(&self, ior_around: f32, albedo: impl FnOnce(&ScatteringInput) -> Rgb) -> Medium {
+        match &self.input {
+            ScatteringInput::Coefficients { sigma_a, sigma_s, g } => {
+                Medium { sigma_a: *sigma_a, sigma_s: *sigma_s, g: *g }
+            }
+            ScatteringInput::Albedo { mean_free_path, g, .. } => {
+                let reduced = self.local_in(self.immersed(ior_around), albedo).absorbed;
+                let absorbed = reduced.map(|x| unreduced_share(f64::from(x), f64::from(*g)) as f32);
+                let sigma_t = mean_free_path.map(|l| 1.0 / l);
+                Medium { sigma_a: absorbed * sigma_t, sigma_s: (Rgb::ONE - absorbed) * sigma_t, g: *g }
+            }
+        }
+    }
+
+    fn local_in(&self, immersed: &Immersed, albedo: impl FnOnce(&ScatteringInput) -> Rgb) -> Local {
+        immersed.constant.unwrap_or_else(|| self.resolve(immersed, albedo(&self.input)))
     }
 
     /// The material inside a medium of index `ior_around`.

@@ -141,7 +141,11 @@ pub fn resolve_bsdf(scene: &Scene, material: usize, surface: &SurfacePoint, ior_
             diffuse_transmission_color: reflectance(&m.diffuse_transmission_color),
             thin: m.thin,
         }),
-        // Translucent surfaces act through the area integral.
-        Surface::Translucent { .. } => Bsdf::Diffuse { reflectance: Rgb::ZERO },
+        // Of a body that paths walk in: the area integral has a boundary of its own.
+        Surface::Translucent { ior, roughness, .. } => Bsdf::Dielectric(Dielectric {
+            eta: ior / ior_around,
+            alpha: roughness * roughness,
+            tint: Rgb::ONE,
+        }),
     }
 }

@@ -3,13 +3,15 @@
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec4};
 
 use crate::math::robust::{interpolation_error, offset_from_surface};
+use crate::medium::Medium;
 use crate::radiometry::Rgb;
 use crate::raycast::{Geometry, Hit, MeshInstance, Ray, RayCaster, RaycastError, TriangleMesh};
 use crate::scene::material::Coverage;
 use crate::scene::shape::light_mesh;
-use crate::scene::{Instance, Scene, Surface};
+use crate::scene::{Instance, Method, Scene, Surface};
 
 use super::interiors::{Interior, Interiors};
+use super::solid::{Flaw, flaws};
 
 /// What an instance is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,6 +47,7 @@ pub struct SurfacePoint {
 #[derive(Clone, Copy, Debug)]
 struct Placement {
     identity: bool,
+    /// The winding of its triangles makes their normals point inward.
     mirrored: bool,
 }
 
@@ -59,10 +62,13 @@ pub struct World<C> {
     /// Instances whose boundary lets paths inside, so that where a path is has to be tracked.
     enterable: Vec<u32>,
     has_partial_coverage: bool,
+    /// By instance: what is wrong with the mesh of a body that paths walk in.
+    flaws: Vec<(u32, Flaw)>,
 }
 
 impl<C: RayCaster> World<C> {
-    /// Bakes `scene` and builds the ray caster with `build`.
+    /// Bakes `scene` and builds the ray caster with `build`. Paths enter translucent bodies if the scene's method is to
+    /// walk in them.
     pub fn new(
         mut scene: Scene,
         build: impl FnOnce(&Geometry) -> Result<C, RaycastError>,
@@ -72,12 +78,12 @@ impl<C: RayCaster> World<C> {
         add_lights(&mut scene, &mut substances);
         bake(&mut scene);
         let bounds: Vec<_> = scene.instances.iter().map(|i| bounds_of(&scene, i)).collect();
-        let placements = scene
-            .instances
-            .iter()
-            .map(|i| Placement {
-                identity: i.transform == Affine3A::IDENTITY,
-                mirrored: mirrors(&i.transform),
+        let flaws = flaws_of_walked(&scene, &substances);
+        let placements = (0..)
+            .zip(&scene.instances)
+            .map(|(index, instance)| Placement {
+                identity: instance.transform == Affine3A::IDENTITY,
+                mirrored: mirrors(&instance.transform) != flaws.contains(&(index, Flaw::InsideOut)),
             })
             .collect();
         let caster = {
@@ -93,7 +99,7 @@ impl<C: RayCaster> World<C> {
                 .map(|(instance, substance)| MeshInstance {
                     mesh: instance.mesh,
                     transform: instance.transform,
-                    probed: scatters(&scene, *substance),
+                    probed: is_probed(&scene, *substance),
                 })
                 .collect();
             build(&Geometry { meshes: &meshes, instances: &instances })?
@@ -105,7 +111,7 @@ impl<C: RayCaster> World<C> {
             })
             .collect();
         let has_partial_coverage = scene.materials.iter().any(|m| m.coverage != Coverage::Full);
-        Ok(Self { scene, substances, placements, bounds, caster, enterable, has_partial_coverage })
+        Ok(Self { scene, substances, placements, bounds, caster, enterable, has_partial_coverage, flaws })
     }
 
     /// The scene, with geometry in world space where it is used once.
@@ -149,6 +155,21 @@ impl<C: RayCaster> World<C> {
     /// True if some body lets paths inside.
     pub fn has_interiors(&self) -> bool {
         !self.enterable.is_empty()
+    }
+
+    /// Bodies whose boundary lets paths inside.
+    pub fn enterable(&self) -> &[u32] {
+        &self.enterable
+    }
+
+    /// What is wrong with the meshes of bodies that paths walk in.
+    pub fn flaws(&self) -> &[(u32, Flaw)] {
+        &self.flaws
+    }
+
+    /// True if paths walk inside `instance`.
+    pub fn is_walked(&self, instance: u32) -> bool {
+        is_walked(&self.scene, self.substance(instance))
     }
 
     /// True if some material is not everywhere there.
@@ -243,9 +264,10 @@ impl<C: RayCaster> World<C> {
             let interior = self.interior(hit.instance).filter(|_| in_bounds(hit.instance));
             if interior.is_some() && left.is_first(hit.instance) {
                 open -= 1;
-                if self.geometric_normal(&hit).dot(direction) > 0.0 {
-                    // What is left last lies around what is left first.
-                    found.surround(interior);
+                if self.geometric_normal(&hit).dot(direction) > 0.0
+                    && let Some(interior) = interior
+                {
+                    found.enter(interior);
                 }
             }
             let point = self.surface(&hit);
@@ -254,14 +276,12 @@ impl<C: RayCaster> World<C> {
         found
     }
 
-    /// What is inside `instance`, if paths go there.
+    /// What is inside `instance`, if paths go there; what scatters in it has to be filled in.
     pub fn interior(&self, instance: u32) -> Option<Interior> {
-        match self.substance(instance) {
-            Substance::Material(m) => {
-                interior_of(&self.scene, m).map(|(ior, sigma_a)| Interior { instance, ior, sigma_a })
-            }
-            Substance::Light(_) => None,
-        }
+        let Substance::Material(material) = self.substance(instance) else { return None };
+        let (ior, sigma_a) = interior_of(&self.scene, material)?;
+        let diameter = self.diameter(instance);
+        Some(Interior { instance, diameter, ior, medium: Medium::clear(sigma_a) })
     }
 }
 
@@ -273,6 +293,9 @@ fn interior_of(scene: &Scene, material: usize) -> Option<(f32, Rgb)> {
             if !m.thin && (m.transmission.factor > 0.0 || m.transmission.texture.is_some()) =>
         {
             Some((m.ior, m.sigma_a))
+        }
+        Surface::Translucent { ior, .. } if scene.subsurface.method == Method::Walk => {
+            Some((*ior, Rgb::ZERO))
         }
         _ => None,
     }
@@ -297,8 +320,29 @@ impl Crossed {
     }
 }
 
-fn scatters(scene: &Scene, substance: Substance) -> bool {
+/// The flaws of the bodies that paths walk in, by instance.
+fn flaws_of_walked(scene: &Scene, substances: &[Substance]) -> Vec<(u32, Flaw)> {
+    let mut by_mesh: Vec<Option<Vec<Flaw>>> = vec![None; scene.meshes.len()];
+    let mut all = Vec::new();
+    for (index, instance) in (0..).zip(&scene.instances) {
+        if is_walked(scene, substances[index as usize]) {
+            let found = by_mesh[instance.mesh].get_or_insert_with(|| flaws(&scene.meshes[instance.mesh]));
+            all.extend(found.iter().map(|&flaw| (index, flaw)));
+        }
+    }
+    all
+}
+
+fn is_translucent(scene: &Scene, substance: Substance) -> bool {
     matches!(substance, Substance::Material(m) if matches!(scene.materials[m].surface, Surface::Translucent { .. }))
+}
+
+fn is_walked(scene: &Scene, substance: Substance) -> bool {
+    scene.subsurface.method == Method::Walk && is_translucent(scene, substance)
+}
+
+fn is_probed(scene: &Scene, substance: Substance) -> bool {
+    scene.subsurface.method != Method::Walk && is_translucent(scene, substance)
 }
 
 /// Gives every light that has a size a mesh, so that rays meet it.
