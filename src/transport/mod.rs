@@ -13,6 +13,7 @@ pub mod scatterer;
 mod shading;
 pub mod solid;
 pub mod spread;
+mod warnings;
 pub mod world;
 
 pub use counters::{Counters, ProbeCounters};

@@ -14,14 +14,13 @@ use super::interiors::Interiors;
 use super::light_choice::Receiver;
 use super::renderer::Renderer;
 use super::scatterer::Scattering;
-use super::shading::{Orientation, emitted, resolve_bsdf};
+use super::shading::{Lobes, Orientation, emitted, resolve_bsdf};
 use super::spread::{Channels, Spread, Spreading};
 use super::world::{Substance, SurfacePoint};
 use crate::diffusion::Profile;
 use crate::math::robust::offset_from_surface;
 use crate::math::sampler::HashGenerator;
 use crate::math::{Frame, SampleStream};
-use crate::optics::Bsdf;
 use crate::radiometry::Rgb;
 use crate::raycast::{Hit, Ray, RayCaster};
 use crate::scene::{Method, ScatteringInput, Scene};
@@ -282,7 +281,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
     fn scatter_bsdf(&mut self, material: usize, surface: &SurfacePoint, wo: Vec3) -> Option<Next> {
         let world = &self.renderer.world;
         let around = self.interiors.ior_around(surface.instance);
-        let bsdf = resolve_bsdf(world.scene(), material, surface, around);
+        let bsdf = self.lobes(material, surface, around);
         // Only the boundary of a body knows inside from outside.
         let two_sided = world.interior(surface.instance).is_none();
         let mut orientation = Orientation::new(world.scene(), material, surface, wo, two_sided);
@@ -294,23 +293,23 @@ impl<'a, C: RayCaster> Path<'a, C> {
         };
         if !bsdf.is_delta_only() {
             self.add_direct(place::LIGHT, surface, &receiver, |wi| {
-                bsdf_response(&bsdf, &orientation, &frame, local_wo, wi)
+                response(&bsdf, &orientation, &frame, local_wo, wi)
             });
         }
         let [lobe, u, v, _] = self.stream.quad(self.set(place::SCATTER));
-        let mut sample = bsdf.sample(local_wo, [u, v, lobe])?;
+        let mut sample = bsdf.sample(local_wo, [u, v, lobe], &mut self.random)?;
         let mut direction = frame.to_world(sample.direction);
         if sample.delta && !orientation.agree(direction) {
             // The interpolated normal sends light through the wrong side: use the triangle's own.
             orientation.shading = orientation.geometric;
             let frame = Frame::from_normal(orientation.geometric);
-            sample = bsdf.sample(frame.to_local(wo), [u, v, lobe])?;
+            sample = bsdf.sample(frame.to_local(wo), [u, v, lobe], &mut self.random)?;
             direction = frame.to_world(sample.direction);
         } else if !sample.delta && orientation.folds(direction) {
             if !orientation.agree(direction) {
                 direction = orientation.mirrored(direction);
             }
-            let Response { value, density } = bsdf_response(&bsdf, &orientation, &frame, local_wo, direction);
+            let Response { value, density } = response(&bsdf, &orientation, &frame, local_wo, direction);
             sample.weight = if density > 0.0 { value / density } else { Rgb::ZERO };
             sample.density = density;
         }
@@ -324,6 +323,16 @@ impl<'a, C: RayCaster> Path<'a, C> {
             self.cross(surface, wo.dot(surface.geometric_normal) > 0.0);
         }
         Some(Next { origin: leave(surface, direction), direction })
+    }
+
+    /// What scatters light at a surface that acts where it is hit.
+    fn lobes(&self, material: usize, surface: &SurfacePoint, around: f32) -> Lobes<'a> {
+        let Renderer { world, scatterers, .. } = self.renderer;
+        let interface = scatterers[material].as_ref().and_then(|s| s.immersed(around).interface());
+        match interface.filter(|interface| !interface.is_smooth()) {
+            Some(interface) => Lobes::Interface(interface),
+            None => Lobes::Bsdf(resolve_bsdf(world.scene(), material, surface, around)),
+        }
     }
 
     /// At a translucent body light is reflected by the boundary, or comes from under the surface.
@@ -462,13 +471,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
 
 /// The BSDF towards `wi` and the density that samples it, around the shading normal `frame` and folded by
 /// the plane of the triangle.
-fn bsdf_response(
-    bsdf: &Bsdf,
-    orientation: &Orientation,
-    frame: &Frame,
-    local_wo: Vec3,
-    wi: Vec3,
-) -> Response {
+fn response(bsdf: &Lobes, orientation: &Orientation, frame: &Frame, local_wo: Vec3, wi: Vec3) -> Response {
     let mut response = Response { value: Rgb::ZERO, density: 0.0 };
     for direction in orientation.unfolded(wi) {
         let local = frame.to_local(direction);

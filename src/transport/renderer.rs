@@ -8,6 +8,7 @@ use super::interiors::Interiors;
 use super::light_sampling::LightSampler;
 use super::path::{Path, place};
 use super::scatterer::{Scatterer, ScattererError};
+use super::warnings::warnings;
 use super::world::{Substance, World};
 use crate::diffusion::{ModelKind, ProfileKind};
 use crate::math::SampleStream;
@@ -137,8 +138,7 @@ impl<C: RayCaster> Renderer<C> {
 
     /// What is wrong with the scene as it is rendered, and what is assumed.
     pub fn warnings(&self) -> Vec<String> {
-        let name = |instance: u32| self.scene().instances[instance as usize].name.as_str();
-        self.world.flaws().iter().map(|(instance, flaw)| flaw.message(name(*instance))).collect()
+        warnings(&self.world)
     }
 
     pub(super) fn is_lit_inside(&self, instance: u32) -> bool {

@@ -7,7 +7,7 @@ use super::spread::{Spread, Spreading, resolvable};
 use crate::diffusion::{DirectionalWeightTable, HalfSpaceError, ModelKind, NormalizedDiffusion, ProfileKind};
 use crate::medium::albedo_inversion::unreduced_share;
 use crate::medium::{Medium, PlanarAlbedo};
-use crate::optics::boundary::Boundary;
+use crate::optics::{Boundary, Interface};
 use crate::radiometry::Rgb;
 use crate::scene::{Method, ScatteringInput, Scene, Surface};
 
@@ -25,6 +25,8 @@ pub struct ScattererError {
 pub struct Immersed {
     ior_around: f32,
     boundary: Boundary,
+    /// The boundary for walks.
+    interface: Option<Interface>,
     planar: PlanarAlbedo,
     kind: ProfileKind,
     form: Form,
@@ -74,12 +76,17 @@ impl Immersed {
         let boundary = Boundary::new(eta, roughness * roughness);
         let form = Form::new(kind, &boundary, f64::from(medium.g()))?;
         let planar = PlanarAlbedo::new(eta, medium.g());
-        Ok(Self { ior_around, boundary, planar, kind, form, constant: None })
+        Ok(Self { ior_around, boundary, interface: None, planar, kind, form, constant: None })
     }
 
     /// The boundary.
     pub fn boundary(&self) -> &Boundary {
         &self.boundary
+    }
+
+    /// The boundary, where paths walk inside.
+    pub fn interface(&self) -> Option<&Interface> {
+        self.interface.as_ref()
     }
 
     /// The dependence of the profile on the direction of entry, if it has one.
@@ -105,12 +112,13 @@ impl Scatterer {
             return Ok(None);
         };
         let failed = |problem| ScattererError { material: scene.materials[material].name.clone(), problem };
+        let walks = scene.subsurface.method == Method::Walk;
         let mut around: Vec<f32> = vec![1.0];
         for other in &scene.materials {
             let ior = match &other.surface {
                 Surface::Dielectric { ior, .. } => *ior,
                 Surface::MetallicRoughness(m) => m.ior,
-                Surface::Translucent { ior, .. } if scene.subsurface.method == Method::Walk => *ior,
+                Surface::Translucent { ior, .. } if walks => *ior,
                 _ => continue,
             };
             if !around.contains(&ior) {
@@ -130,6 +138,7 @@ impl Scatterer {
             };
             let immersed = Immersed::new(ior_around, eta as f32, *roughness, medium, kind);
             let mut immersed = immersed.map_err(|problem| failed(problem.into()))?;
+            immersed.interface = walks.then(|| Interface::new(eta as f32, roughness * roughness));
             immersed.constant = scatterer.constant(&immersed);
             scatterer.immersed.push(immersed);
         }
