@@ -36,15 +36,17 @@ fn add(scene: &mut Scene, name: &str, mesh: Mesh, material: Material) {
     scene.materials.push(material);
 }
 
-/// Every channel shows radiance 1, to 3σ, the rounding of some hundred factors and `systematic`.
+/// Every channel, and their mean, shows radiance 1, to 3σ, the rounding of some hundred factors and `systematic`. Where all
+/// light is that of the surroundings, the mean over the channels is the same for every path: its σ is that of rounding.
 #[track_caller]
 fn assert_vanishes(name: &str, found: &Found, systematic: f64) {
-    for (c, channel) in found.radiance.iter().enumerate() {
-        let (mean, sigma) = (channel.mean(), channel.standard_error());
-        println!("{name}, channel {c}: {mean:.5} ± {sigma:.5}, brightest {:.2}", channel.max);
+    for statistics in found.radiance.iter().chain([&found.mean]) {
+        let (mean, sigma) = (statistics.mean(), statistics.standard_error());
+        println!("{name}: {mean:.5} ± {sigma:.5}, brightest {:.2}", statistics.max);
         assert!((mean - 1.0).abs() < 3.0 * sigma + 1e-5 + systematic, "{name}: {mean} ± {sigma}");
-        assert!(sigma < 0.01, "{name}: σ {sigma}");
+        assert!(sigma < 0.02, "{name}: σ {sigma}");
     }
+    assert!(found.mean.standard_error() < 2e-3);
     assert_eq!((found.counters.capped_paths, found.counters.rejected), (0, 0), "{name}");
 }
 
@@ -61,7 +63,7 @@ fn bodies_that_absorb_nothing_vanish_in_uniform_light() {
                     ScatteringInput::Coefficients { sigma_a: Rgb::ZERO, sigma_s: CHANNELS * sigma_t, g };
                 let renderer = walker(furnace(mesh.clone(), translucent(ior, roughness, medium)));
                 assert_eq!(renderer.warnings(), [""; 0]);
-                let found = picture(&renderer, 4);
+                let found = picture(&renderer, 6);
                 assert_vanishes(&format!("{shape} η {ior:.2} roughness {roughness} g {g}"), &found, 0.0);
                 // No channel carries more than all three did at the start.
                 assert!(found.radiance.iter().all(|channel| channel.max < 3.0 + 1e-4));
@@ -123,16 +125,16 @@ fn uniform_rays(center: Vec3, radius: f32) -> impl Fn(u64) -> (Vec3, Vec3) + Syn
 /// sphere of area S around it therefore has a path of n²·4V/S in the body, in the mean, and as many
 /// collisions as that is free paths long. (For a convex body S can be its own surface: the sphere's photons
 /// meet it in the ratio of the areas.) Reflections, total ones too, and re-entry into concave bodies are counted in.
-fn check_path_length(name: &str, mesh: &Mesh, photons: u64) {
+fn check_path_length(name: &str, mesh: &Mesh, free_paths: f64, photons: u64) {
     let bounds = |(low, high): (Vec3, Vec3), p: &Vec3| (low.min(*p), high.max(*p));
     let (low, high) = mesh.positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), bounds);
-    let (center, radius) = (0.5 * (low + high), 0.5 * (high - low).length());
+    let center = 0.5 * (low + high);
+    let radius = mesh.positions.iter().map(|p| p.distance(center)).fold(0.0, f32::max) * 1.0001;
     let area = 4.0 * std::f64::consts::PI * f64::from(radius).powi(2);
     let chord = 4.0 * volume(mesh) / area;
     for ior in [1.0, 1.5] {
         for g in [0.0, 0.9] {
-            // A mean chord is some free paths.
-            let sigma_s = (8.0 / chord) as f32;
+            let sigma_s = (free_paths / chord) as f32;
             let medium =
                 ScatteringInput::Coefficients { sigma_a: Rgb::ZERO, sigma_s: Rgb::splat(sigma_s), g };
             let renderer = walker(furnace(mesh.clone(), translucent(ior, 0.0, medium)));
@@ -144,7 +146,7 @@ fn check_path_length(name: &str, mesh: &Mesh, photons: u64) {
                 (mean - expected).abs() < 3.0 * sigma,
                 "{name} η {ior} g {g}: {mean} ± {sigma}, {expected}"
             );
-            assert!(sigma < 0.01 * expected);
+            assert!(sigma < 0.015 * expected);
             assert_eq!((found.counters.capped_paths, found.counters.open_walks), (0, 0));
         }
     }
@@ -152,15 +154,15 @@ fn check_path_length(name: &str, mesh: &Mesh, photons: u64) {
 
 #[test]
 fn the_mean_path_in_a_body_depends_on_nothing_but_its_volume() {
-    check_path_length("sphere", &faceted(shape::sphere(Vec3::new(3.0, 0.0, 0.0), 1.0, 4)), 100_000);
-    check_path_length("box", &shape::cuboid(Vec3::ZERO, Vec3::new(1.0, 0.6, 0.3)), 100_000);
+    check_path_length("sphere", &faceted(shape::sphere(Vec3::new(3.0, 0.0, 0.0), 1.0, 4)), 3.0, 100_000);
+    check_path_length("box", &shape::cuboid(Vec3::ZERO, Vec3::new(1.0, 0.6, 0.3)), 2.0, 200_000);
 }
 
 #[test]
 fn the_mean_path_in_a_scanned_skull_depends_on_nothing_but_its_volume() {
     let Some(folder) = assets() else { return };
     let scene = read_scene(&folder.join("meshes/skull-100k.glb")).unwrap();
-    check_path_length("skull", &faceted(scene.meshes[0].clone()), 40_000);
+    check_path_length("skull", &faceted(scene.meshes[0].clone()), 1.0, 150_000);
 }
 
 /// A flat body many free paths wide and thick, its surface at y = 0.
@@ -182,13 +184,13 @@ fn reflectances() -> Vec<[f64; 4]> {
 
 #[test]
 fn a_thick_flat_body_reflects_what_transport_theory_says() {
-    const PATHS: u64 = 1_500_000;
+    const PATHS: u64 = 2_000_000;
     let table = reflectances();
     let groups = [
         (0.0, 1.0, [0.8, 0.99, 0.995]),
-        (0.5, 1.33, [0.5, 0.8, 0.99]),
-        (0.9, 1.4, [0.7, 0.9, 0.95]),
-        (0.0, 1.5, [0.1, 0.7, 0.99]),
+        (0.5, 1.33, [0.3, 0.5, 0.8]),
+        (0.9, 1.4, [0.3, 0.7, 0.9]),
+        (0.0, 1.4, [0.7, 0.9, 0.95]),
     ];
     for (g, ior, albedos) in groups {
         let sigma_t = 25.0 / (1.0 - g);
@@ -232,7 +234,7 @@ fn the_albedo_asked_for_is_the_albedo_walked() {
             println!("η {ior} g {g} channel {c}: {mean:.5} ± {sigma:.5}, exactly {exact:.5}");
             // The table that is inverted is right to 10⁻⁴.
             assert!((mean - exact).abs() < 3.0 * sigma + 1e-4, "{mean} ± {sigma}, not {exact}");
-            assert!(sigma < 1e-3);
+            assert!(sigma < 2e-3);
         }
     }
 }

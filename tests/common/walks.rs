@@ -18,9 +18,26 @@ pub fn walker(scene: Scene) -> Renderer<Caster> {
 pub struct Found {
     /// By channel.
     pub radiance: [Statistics; 3],
+    /// All channels of a sample together, which are not independent.
+    pub mean: Statistics,
     /// Collisions of each path.
     pub collisions: Statistics,
     pub counters: Counters,
+}
+
+impl Found {
+    fn add(&mut self, radiance: Rgb) {
+        assert!(radiance.is_finite());
+        self.mean.add(f64::from(radiance.mean()));
+        self.radiance.iter_mut().zip(radiance.0).for_each(|(all, x)| all.add(f64::from(x)));
+    }
+
+    fn merge(&mut self, part: &Self) {
+        self.counters.merge(&part.counters);
+        self.collisions.merge(&part.collisions);
+        self.mean.merge(&part.mean);
+        self.radiance.iter_mut().zip(&part.radiance).for_each(|(all, part)| all.merge(part));
+    }
 }
 
 /// Radiance and collisions for `count` rays, the origin and direction of each by `ray`. The result does not depend
@@ -35,19 +52,14 @@ pub fn trace(renderer: &Renderer<Caster>, count: u64, ray: impl Fn(u64) -> (Vec3
                 let (origin, direction) = ray(sample);
                 let before = found.counters.collisions;
                 let radiance = renderer.radiance(origin, direction, sample, &mut found.counters);
-                assert!(radiance.is_finite());
                 found.collisions.add((found.counters.collisions - before) as f64);
-                found.radiance.iter_mut().zip(radiance.0).for_each(|(all, x)| all.add(f64::from(x)));
+                found.add(radiance);
             }
             found
         })
         .collect();
     let mut all = Found::default();
-    for part in &parts {
-        all.counters.merge(&part.counters);
-        all.collisions.merge(&part.collisions);
-        all.radiance.iter_mut().zip(&part.radiance).for_each(|(all, part)| all.merge(part));
-    }
+    parts.iter().for_each(|part| all.merge(part));
     all
 }
 
@@ -57,9 +69,8 @@ pub fn picture(renderer: &Renderer<Caster>, samples: u64) -> Found {
     let mut found = Found::default();
     for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
         for sample in 0..samples {
-            let radiance: Rgb = renderer.sample(x, y, sample, &mut found.counters);
-            assert!(radiance.is_finite());
-            found.radiance.iter_mut().zip(radiance.0).for_each(|(all, x)| all.add(f64::from(x)));
+            let radiance = renderer.sample(x, y, sample, &mut found.counters);
+            found.add(radiance);
         }
     }
     found
