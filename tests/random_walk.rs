@@ -36,14 +36,16 @@ fn add(scene: &mut Scene, name: &str, mesh: Mesh, material: Material) {
     scene.materials.push(material);
 }
 
-/// Every channel, and their mean, shows radiance 1, to 3σ, the rounding of some hundred factors and `systematic`. Where all
-/// light is that of the surroundings, the mean over the channels is the same for every path: its σ is that of rounding.
+/// Every channel, and their mean, shows radiance 1, to the rounding of some hundred factors, `systematic`, and 3σ; 4σ for
+/// the channels, of which there are a hundred. Where all light is that of the surroundings, the mean over the
+/// channels is the same for every path: its σ is that of rounding.
 #[track_caller]
 fn assert_vanishes(name: &str, found: &Found, systematic: f64) {
-    for statistics in found.radiance.iter().chain([&found.mean]) {
+    let channels = found.radiance.iter().map(|channel| (channel, 4.0));
+    for (statistics, allowed) in channels.chain([(&found.mean, 3.0)]) {
         let (mean, sigma) = (statistics.mean(), statistics.standard_error());
         println!("{name}: {mean:.5} ± {sigma:.5}, brightest {:.2}", statistics.max);
-        assert!((mean - 1.0).abs() < 3.0 * sigma + 1e-5 + systematic, "{name}: {mean} ± {sigma}");
+        assert!((mean - 1.0).abs() < allowed * sigma + 1e-5 + systematic, "{name}: {mean} ± {sigma}");
         assert!(sigma < 0.02, "{name}: σ {sigma}");
     }
     assert!(found.mean.standard_error() < 2e-3);
@@ -63,7 +65,7 @@ fn bodies_that_absorb_nothing_vanish_in_uniform_light() {
                     ScatteringInput::Coefficients { sigma_a: Rgb::ZERO, sigma_s: CHANNELS * sigma_t, g };
                 let renderer = walker(furnace(mesh.clone(), translucent(ior, roughness, medium)));
                 assert_eq!(renderer.warnings(), [""; 0]);
-                let found = picture(&renderer, 6);
+                let found = picture(&renderer, 12);
                 assert_vanishes(&format!("{shape} η {ior:.2} roughness {roughness} g {g}"), &found, 0.0);
                 // No channel carries more than all three did at the start.
                 assert!(found.radiance.iter().all(|channel| channel.max < 3.0 + 1e-4));
@@ -221,7 +223,7 @@ fn the_albedo_asked_for_is_the_albedo_walked() {
     for (ior, g) in [(1.0, 0.0), (1.4, 0.5)] {
         let asked = ScatteringInput::Albedo { albedo: ColorInput::constant(albedo), mean_free_path, g };
         let renderer = walker(thick_slab(translucent(ior, 0.0, asked)));
-        let found = trace(&renderer, 200_000, |sample| {
+        let found = trace(&renderer, 400_000, |sample| {
             let mut random = HashGenerator::new(sample);
             let up = warp::square_to_cosine_hemisphere(random.next_f32(), random.next_f32());
             let direction = -Frame::from_normal(Vec3::Y).to_world(up);

@@ -29,15 +29,15 @@ fn check(name: &str, samples: u64) {
 
 #[test]
 fn a_marble_sphere_is_right() {
-    check("sphere_marble", 512);
+    check("sphere_marble", 2048);
 }
 
 #[test]
 fn an_index_matched_sphere_is_right() {
-    check("sphere_indexmatched", 256);
+    check("sphere_indexmatched", 1024);
 }
 
 #[test]
 fn a_thin_slab_lit_from_behind_is_right() {
-    check("slab_thin", 512);
+    check("slab_thin", 1024);
 }
