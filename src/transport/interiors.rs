@@ -106,7 +106,7 @@ mod tests {
         let (glass, milk) = (body(1, 2.0, 1.5), body(2, 1.0, 1.33));
         for order in [[glass, milk], [milk, glass]] {
             let mut interiors = Interiors::default();
-            order.map(|body| interiors.enter(body));
+            order.into_iter().for_each(|body| interiors.enter(body));
             assert_eq!(interiors.current(), Some(milk));
             assert_eq!(interiors.ior_around(2), 1.5);
             assert_eq!(interiors.displacing(glass).count(), 1);
@@ -124,7 +124,7 @@ mod tests {
     fn overlapping_parts_of_one_body_are_counted() {
         let mut interiors = Interiors::default();
         let (part, other) = (body(1, 1.0, 1.5), body(2, 1.0, 1.2));
-        [part, other, part].map(|body| interiors.enter(body));
+        [part, other, part].into_iter().for_each(|body| interiors.enter(body));
         assert_eq!((interiors.depth_in(1), interiors.depth_in(2)), (2, 1));
         assert_eq!(interiors.displacing(part).count(), 1, "of two as large, the later one");
         interiors.leave(1);

@@ -13,6 +13,7 @@ pub mod scatterer;
 mod shading;
 pub mod solid;
 pub mod spread;
+pub mod substance;
 mod warnings;
 pub mod world;
 

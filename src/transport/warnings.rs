@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 
-use super::world::{Substance, World};
+use super::substance::Substance;
+use super::world::World;
 use crate::optics::is_smooth;
 use crate::raycast::RayCaster;
 use crate::scene::{Light, Scene, Surface};

@@ -4,23 +4,14 @@ use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec4};
 
 use crate::math::robust::{interpolation_error, offset_from_surface};
 use crate::medium::Medium;
-use crate::radiometry::Rgb;
 use crate::raycast::{Geometry, Hit, MeshInstance, Ray, RayCaster, RaycastError, TriangleMesh};
 use crate::scene::material::Coverage;
 use crate::scene::shape::light_mesh;
-use crate::scene::{Instance, Method, Scene, Surface};
+use crate::scene::{Instance, Scene};
 
 use super::interiors::{Interior, Interiors};
-use super::solid::{Flaw, flaws};
-
-/// What an instance is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Substance {
-    /// Index into the scene's materials.
-    Material(usize),
-    /// Index into the scene's lights.
-    Light(usize),
-}
+use super::solid::Flaw;
+use super::substance::{Substance, flaws_of_walked, interior_of, is_probed, is_walked};
 
 /// A point on a surface.
 #[derive(Clone, Copy, Debug)]
@@ -285,22 +276,6 @@ impl<C: RayCaster> World<C> {
     }
 }
 
-/// Index and absorption inside bodies of a material whose boundary lets paths in.
-fn interior_of(scene: &Scene, material: usize) -> Option<(f32, Rgb)> {
-    match &scene.materials[material].surface {
-        Surface::Dielectric { ior, sigma_a, .. } => Some((*ior, *sigma_a)),
-        Surface::MetallicRoughness(m)
-            if !m.thin && (m.transmission.factor > 0.0 || m.transmission.texture.is_some()) =>
-        {
-            Some((m.ior, m.sigma_a))
-        }
-        Surface::Translucent { ior, .. } if scene.subsurface.method == Method::Walk => {
-            Some((*ior, Rgb::ZERO))
-        }
-        _ => None,
-    }
-}
-
 /// Instances that a ray has met.
 #[derive(Default)]
 struct Crossed {
@@ -318,31 +293,6 @@ impl Crossed {
         self.count += 1;
         true
     }
-}
-
-/// The flaws of the bodies that paths walk in, by instance.
-fn flaws_of_walked(scene: &Scene, substances: &[Substance]) -> Vec<(u32, Flaw)> {
-    let mut by_mesh: Vec<Option<Vec<Flaw>>> = vec![None; scene.meshes.len()];
-    let mut all = Vec::new();
-    for (index, instance) in (0..).zip(&scene.instances) {
-        if is_walked(scene, substances[index as usize]) {
-            let found = by_mesh[instance.mesh].get_or_insert_with(|| flaws(&scene.meshes[instance.mesh]));
-            all.extend(found.iter().map(|&flaw| (index, flaw)));
-        }
-    }
-    all
-}
-
-fn is_translucent(scene: &Scene, substance: Substance) -> bool {
-    matches!(substance, Substance::Material(m) if matches!(scene.materials[m].surface, Surface::Translucent { .. }))
-}
-
-fn is_walked(scene: &Scene, substance: Substance) -> bool {
-    scene.subsurface.method == Method::Walk && is_translucent(scene, substance)
-}
-
-fn is_probed(scene: &Scene, substance: Substance) -> bool {
-    scene.subsurface.method != Method::Walk && is_translucent(scene, substance)
 }
 
 /// Gives every light that has a size a mesh, so that rays meet it.

@@ -8,7 +8,8 @@ use crate::radiometry::Rgb;
 use crate::raycast::{Ray, RayCaster};
 use crate::transport::interiors::Interior;
 use crate::transport::shading::is_covered;
-use crate::transport::world::{Substance, SurfacePoint};
+use crate::transport::substance::Substance;
+use crate::transport::world::SurfacePoint;
 
 /// Surfaces with partial coverage that one path may pass.
 const MOST_PASSED: u32 = 256;
