@@ -102,6 +102,7 @@ impl RayWork for Render<'_> {
         let options = options(args, &scene);
         let film = Film::new(scene.film.width, scene.film.height)?;
         let renderer = Renderer::new(scene, options, build)?;
+        renderer.warnings().iter().for_each(|warning| say(&format!("warning: {warning}")));
         render_and_save(args, &renderer, film)
     }
 }

@@ -47,29 +47,52 @@ impl Runs {
     }
 }
 
-/// The reference with its samples per pixel and seconds; `None` while a part of it is missing.
-pub fn reference(store: &Store) -> Option<(Reference, (u64, f64))> {
+/// What it took to make the reference.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Effort {
+    spp: u64,
+    seconds: f64,
+    collisions: u64,
+}
+
+/// The reference; `None` while a part of it is missing.
+pub fn reference(store: &Store) -> Option<(Reference, Effort)> {
     let parts = Runs::load(store, REFERENCE, 2 * PARTS_OF_HALF);
     if parts.records.len() < 2 * PARTS_OF_HALF {
         return None;
     }
     let half = |half: usize| Moments::of(parts.values.iter().skip(half).step_by(2)).mean;
-    let total = parts.records.iter().map(Record::end).fold((0, 0.0), |(n, t), (spp, s)| (n + spp, t + s));
-    Some((Reference::new([half(0), half(1)]), total))
+    let mut effort = Effort::default();
+    for record in &parts.records {
+        let (spp, seconds) = record.end();
+        effort.spp += spp;
+        effort.seconds += seconds;
+        effort.collisions += record.collisions;
+    }
+    Some((Reference::new([half(0), half(1)]), effort))
 }
 
-/// What can be said of the runs that are there; `None` if the reference, or any candidate, is missing.
-pub fn evaluate(scene: &Scene, plan: &Plan, store: &Store, regions: &[Region]) -> Option<Results> {
+/// What can be said of the runs that are there, with `oddities` of the scene among the warnings; `None` if the reference, or any candidate, is missing.
+pub fn evaluate(
+    scene: &Scene,
+    plan: &Plan,
+    store: &Store,
+    regions: &[Region],
+    oddities: &[String],
+) -> Option<Results> {
     let settings = &plan.settings;
-    let (truth, (spp, seconds)) = reference(store)?;
+    let (truth, effort) = reference(store)?;
     let (width, height) = (settings.width, settings.height);
     let mut results = Results {
         plan: plan.clone(),
         regions: regions.to_vec(),
         reference: ReferenceResult {
             candidate: settings.reference(),
-            spp,
-            seconds,
+            spp: effort.spp,
+            seconds: effort.seconds,
+            collisions: (settings.reference() == Candidate::WALK).then(|| {
+                effort.collisions as f64 / (effort.spp as f64 * regions[BODIES].pixels.len() as f64)
+            }),
             noise: regions.iter().map(|region| truth.noise(region)).collect(),
             picture: picture(width, height, &truth.mean),
             variance: (0..truth.mean.len()).map(|i| truth.variance(i)).collect(),
@@ -95,7 +118,7 @@ pub fn evaluate(scene: &Scene, plan: &Plan, store: &Store, regions: &[Region]) -
     add_crossovers(&mut results);
     results.parts = known.parts(store, settings.seeds, &regions[BODIES], &results);
     results.effects = known.effects(scene, store, &regions[BODIES], plan);
-    results.warnings = warnings(&results);
+    results.warnings = oddities.iter().cloned().chain(warnings(&results)).collect();
     Some(results)
 }
 

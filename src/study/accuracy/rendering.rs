@@ -109,8 +109,14 @@ impl<C: RayCaster> Ready<C> {
             taken = level;
         }
         let nonfinite = film.tally().nonfinite;
-        let capped = counters.capped_paths;
-        let record = Record { seed, setup_seconds: self.setup_seconds, points, nonfinite, capped };
+        let record = Record {
+            seed,
+            setup_seconds: self.setup_seconds,
+            points,
+            nonfinite,
+            capped: counters.capped_paths,
+            collisions: counters.collisions,
+        };
         Ok(Some(Run { record, picture: film.picture() }))
     }
 

@@ -42,6 +42,8 @@ pub struct ReferenceResult {
     pub seconds: f64,
     /// relMSE of its own noise, by region.
     pub noise: Vec<f64>,
+    /// Collisions in all its samples, over samples of pixels that show a translucent body; `None` if it does not walk.
+    pub collisions: Option<f64>,
     /// Its mean.
     pub picture: Picture,
     /// Variance of its mean.

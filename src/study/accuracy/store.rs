@@ -34,6 +34,8 @@ pub struct Record {
     pub nonfinite: u64,
     /// Paths cut by a limit on their length.
     pub capped: u64,
+    /// Collisions inside scattering bodies.
+    pub collisions: u64,
 }
 
 impl Record {
@@ -136,7 +138,14 @@ mod tests {
     fn run() -> Run {
         let points = vec![Point { spp: 4, seconds: 0.1 + 0.2, relmse: vec![-1e-300, 0.1] }];
         Run {
-            record: Record { seed: u64::MAX, setup_seconds: 0.5, points, nonfinite: 0, capped: 1 },
+            record: Record {
+                seed: u64::MAX,
+                setup_seconds: 0.5,
+                points,
+                nonfinite: 0,
+                capped: 1,
+                collisions: 7,
+            },
             picture: Picture { width: 2, height: 1, pixels: vec![Rgb::new(0.1, 1e-20, 3e4), Rgb::ONE] },
         }
     }

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use thiserror::Error;
 
+use super::candidate::Candidate;
 use super::errors::{Reference, Region, channels};
 use super::evaluate::{evaluate, reference};
 use super::plan::{Plan, PlannedSeries, Rate, Role, Series, TooShort, deal_out, series};
@@ -18,7 +19,7 @@ use super::store::Store;
 use crate::film::output::OutputError;
 use crate::film::{FilmError, Picture};
 use crate::raycast::{Geometry, RayCaster, RaycastError};
-use crate::scene::{Method, ProfileChoice, Scene};
+use crate::scene::Scene;
 use crate::transport::{RenderError, RenderOptions, Renderer};
 
 /// Runs of one candidate that follow each other. Candidates take turns, so that what else the machine does falls on all of
@@ -91,24 +92,27 @@ pub fn study<C: RayCaster>(
     if !has_translucent(scene) {
         return Err(StudyError::NothingTranslucent);
     }
-    let regions = find_regions(scene, &build)?;
+    let (regions, oddities) = look_at(scene, settings, &build)?;
     let work = Work { scene, settings, store, build: &build, watch, regions: &regions };
     let Some(plan) = work.plan()? else { return Ok(Outcome::Interrupted(None)) };
     let done = work.render(&plan)?;
-    let results = evaluate(scene, &plan, store, &regions);
+    let results = evaluate(scene, &plan, store, &regions, &oddities);
     Ok(match results {
         Some(results) if done => Outcome::Complete(results),
         results => Outcome::Interrupted(results),
     })
 }
 
-fn find_regions<C: RayCaster>(
+/// The regions of the picture, and what is wrong with the scene.
+fn look_at<C: RayCaster>(
     scene: &Scene,
+    settings: &Settings,
     build: &impl Fn(&Geometry) -> Result<C, RaycastError>,
-) -> Result<Vec<Region>, RenderError> {
-    let options =
-        RenderOptions { seed: 0, method: Method::Diffuse, profile: ProfileChoice::Auto, max_depth: 0 };
-    Ok(regions(&Renderer::new(scene.clone(), options, build)?))
+) -> Result<(Vec<Region>, Vec<String>), RenderError> {
+    let Candidate { method, profile } = settings.reference();
+    let options = RenderOptions { seed: 0, method, profile, max_depth: scene.render.max_depth };
+    let renderer = Renderer::new(scene.clone(), options, build)?;
+    Ok((regions(&renderer), renderer.warnings()))
 }
 
 struct Work<'a, B> {

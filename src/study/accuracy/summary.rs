@@ -3,7 +3,6 @@
 use serde_json::{Value, json};
 
 use super::advice::advice;
-use super::collisions::ExpectedCollisions;
 use super::crossover::Crossover;
 use super::results::{CandidateResult, EffectResult, ErrorPart, RegionResult, Results};
 
@@ -26,12 +25,13 @@ pub fn json(results: &Results, complete: bool) -> Value {
             "spp": results.reference.spp,
             "seconds": results.reference.seconds,
             "relative_noise": results.reference.noise[0].sqrt(),
+            "collisions_per_sample": results.reference.collisions,
         },
         "methods": methods(results, 0),
         "regions": regions.collect::<Vec<_>>(),
         "errors": results.parts.iter().map(part).collect::<Vec<_>>(),
         "effects": results.effects.iter().map(effect).collect::<Vec<_>>(),
-        "collisions": results.collisions.iter().map(ExpectedCollisions::clone).collect::<Vec<_>>(),
+        "collisions": results.collisions,
         "warnings": results.warnings,
         "advice": advice(results),
         "confidence": 0.95,

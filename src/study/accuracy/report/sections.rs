@@ -229,11 +229,18 @@ pub fn collisions(results: &Results) -> String {
         let count = |n: Option<f64>| n.map_or_else(|| "∞".into(), two_digits);
         vec![expected.material.clone(), free_path, expected.collisions.map(count).join(" ")]
     });
+    let measured = results.reference.collisions.map_or_else(String::new, |count| {
+        format!(
+            "<p>Measured: {} collisions for each sample of a pixel that shows a translucent body. (A part of the light is reflected before it enters; a part enters again; \
+             and the walk follows all three channels at once, weighting what is absorbed.)</p>",
+            two_digits(count)
+        )
+    });
     let head = ["material", "mean free path R G B [mm]", "collisions of a photon that enters, R G B"]
         .map(String::from);
     format!(
         "<section id=\"collisions\"><h2>Why the walk costs what it costs</h2>\
-         <p>Each collision absorbs a share 1 − ω of the light, so a photon has P(absorbed)/(1 − ω) of them in the mean, whatever the body; here P is that of a thick flat one, thin ones have fewer.</p>{}</section>\n",
+         <p>Each collision absorbs a share 1 − ω of the light, so a photon has P(absorbed)/(1 − ω) of them in the mean, whatever the body; here P is that of a thick flat one, thin ones have fewer.</p>{}{measured}</section>\n",
         table(&head, rows)
     )
 }
