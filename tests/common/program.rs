@@ -116,12 +116,18 @@ pub fn names(folder: &Path) -> Vec<String> {
 /// Runs the program in `folder`. It must end by itself within ten seconds, without a panic.
 #[track_caller]
 pub fn run(folder: &Path, arguments: &[&str]) -> Run {
+    run_within(Duration::from_secs(10), folder, arguments)
+}
+
+/// The same, with another limit on its time.
+#[track_caller]
+pub fn run_within(limit: Duration, folder: &Path, arguments: &[&str]) -> Run {
     let output = Command::new(env!("CARGO_BIN_EXE_alabaster"))
         .current_dir(folder)
         .env_remove("RUST_LOG")
         .env("RUST_BACKTRACE", "1")
         .args(arguments)
-        .timeout(Duration::from_secs(10))
+        .timeout(limit)
         .output()
         .unwrap();
     let text = |bytes| String::from_utf8(bytes).unwrap();

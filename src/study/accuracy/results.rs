@@ -113,7 +113,7 @@ impl RegionResult {
         if self.is_truth || self.curve().bias_squared > 0.0 {
             return 0.0;
         }
-        (self.bias_squared.value + SIGMAS * self.bias_squared.standard_error).max(0.0)
+        self.bias_squared.value.max(0.0) + SIGMAS * self.bias_squared.standard_error
     }
 }
 

@@ -49,7 +49,7 @@ fn root(x: Estimate) -> Estimate {
 /// The root of B² in percent with its 95 % interval; an upper limit where it is not told from 0.
 pub fn bias(square: Estimate) -> String {
     let half = SIGMAS * square.standard_error;
-    let [low, high] = [square.value - half, square.value + half].map(|x| 100.0 * x.max(0.0).sqrt());
+    let [low, high] = [square.value - half, square.value.max(0.0) + half].map(|x| 100.0 * x.max(0.0).sqrt());
     if low == 0.0 {
         return format!("< {}", two_digits(high));
     }
@@ -192,6 +192,8 @@ mod tests {
         assert_eq!(bias(estimate(4e-4, 1e-5)), "2.000 ± 0.049");
         // √(1e-6 + 1.96·2e-6).
         assert_eq!(bias(estimate(1e-6, 2e-6)), "< 0.22");
+        // √(1.96·2e-6): noise below 0 is no knowledge.
+        assert_eq!(bias(estimate(-9e-6, 2e-6)), "< 0.2");
     }
 
     #[test]

@@ -33,9 +33,10 @@ pub fn error_over_time(results: &Results, region: usize) -> Panel {
     }
 }
 
-/// The time that an error takes.
+/// The time that an error takes, up to three times the largest bias.
 pub fn time_over_error(results: &Results, region: usize) -> Panel {
-    let errors = 0.1..20.0;
+    let biases = results.candidates.iter().map(|result| result.by_region[region].curve().bias_squared);
+    let errors = 0.1..(300.0 * biases.fold(0.0, f64::max).sqrt()).clamp(20.0, ERRORS.end);
     let lines = results.candidates.iter().map(|result| {
         let curve = result.by_region[region].curve();
         let points = logarithmic(&errors).filter_map(|error| {
