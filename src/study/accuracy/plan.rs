@@ -165,7 +165,7 @@ pub struct PlannedSeries {
 /// The time is too short.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[error(
-    "--time {given:.0} is too short: {least:.0} s are needed at least; give more time, fewer --seeds, fewer --methods or a smaller --width and --height"
+    "--time {given} is too short: {least:.0} s are needed at least; give more time, fewer --seeds, fewer --methods or a smaller --width and --height"
 )]
 pub struct TooShort {
     /// Seconds there are.

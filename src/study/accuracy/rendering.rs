@@ -10,8 +10,7 @@ use crate::raycast::{Geometry, RayCaster, RaycastError};
 use crate::scene::Scene;
 use crate::transport::{Counters, RenderError, RenderOptions, Renderer};
 
-/// A pilot ends when it has taken so many seconds, or samples.
-const PILOT_SECONDS: f64 = 0.3;
+/// A pilot ends when it has taken so many samples, if its time is not up before.
 const PILOT_SAMPLES: u64 = 64;
 
 /// A renderer for a series, and the seconds it took to make ready.
@@ -49,25 +48,25 @@ pub fn make_ready<C: RayCaster>(
 }
 
 impl<C: RayCaster> Ready<C> {
-    /// What a sample costs; `None` if it was stopped.
+    /// What a sample costs, measured for about so many seconds; `None` if it was stopped.
     ///
     /// # Errors
     /// If there is no memory for a film.
-    pub fn rate(&mut self, stop: &AtomicBool) -> Result<Option<Rate>, FilmError> {
+    pub fn rate(&mut self, seconds: f64, stop: &AtomicBool) -> Result<Option<Rate>, FilmError> {
         let mut film = self.film()?;
         // The first sample also loads what memory holds; it counts only where it is slow anyway.
         let mut timed = 0.0;
         let (mut samples, mut taken) = (0, 0);
-        while timed < PILOT_SECONDS && taken < PILOT_SAMPLES {
+        while timed < seconds && taken < PILOT_SAMPLES {
             let pass = taken.max(1);
             let start = Instant::now();
             self.expose(&mut film, taken..taken + pass, stop, &|_| ());
             if stop.load(Ordering::Relaxed) {
                 return Ok(None);
             }
-            let seconds = start.elapsed().as_secs_f64();
-            if taken > 0 || seconds >= PILOT_SECONDS {
-                timed += seconds;
+            let of_pass = start.elapsed().as_secs_f64();
+            if taken > 0 || of_pass >= seconds {
+                timed += of_pass;
                 samples += pass;
             }
             taken += pass;

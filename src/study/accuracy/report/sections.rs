@@ -143,44 +143,54 @@ fn table(head: &[String], rows: impl Iterator<Item = Vec<String>>) -> String {
 
 /// Where each part of the error is.
 pub fn maps(results: &Results) -> Result<String, ReportError> {
-    let size = [results.reference.picture.width, results.reference.picture.height];
-    let signed = |part: &&ErrorPart| part.kind != PartKind::Sampling;
-    let scale = maps::scale(results.parts.iter().filter(signed).map(|part| &part.map));
-    let noise_scale = maps::scale(results.parts.iter().filter(|part| !signed(part)).map(|part| &part.map));
     let mut content = String::new();
     for (kind, explanation) in [
-        (PartKind::Geometry, "the profile is exact on a plane; what is left is that the body is none"),
-        (PartKind::Profile, "a model's profile in place of the exact one of a plane"),
-        (PartKind::Direction, "what the direction changes in which light enters"),
-        (PartKind::Sampling, "noise in equal time, one standard deviation"),
+        (PartKind::Geometry, "The profile is exact on a plane; what is left is that the body is none."),
+        (PartKind::Profile, "A model's profile in place of the exact one of a plane."),
+        (PartKind::Direction, "What the direction changes in which light enters."),
+        (PartKind::Sampling, "Noise in equal time, one standard deviation."),
     ] {
         let parts: Vec<&ErrorPart> = results.parts.iter().filter(|part| part.kind == kind).collect();
-        if parts.is_empty() {
-            continue;
+        if !parts.is_empty() {
+            content.push_str(&format!("<h3>{}</h3><p>{explanation}</p>", kind.name()));
+            content.push_str(&maps_of_kind(results, kind, &parts)?);
         }
-        content.push_str(&format!("<h3>{}</h3><p>{explanation}</p><div class=\"maps\">", kind.name()));
-        for part in parts {
-            let (pixels, rms) = if kind == PartKind::Sampling {
-                (maps::unsigned(&part.map, noise_scale), percent(part.square.value.max(0.0).sqrt()))
-            } else {
-                (maps::signed(&part.map, scale), format!("{} %", bias(part.square)))
-            };
-            content.push_str(&format!(
-                "<figure><img src=\"{}\" alt=\"\"><figcaption>{}<br>{rms} rms on translucent bodies</figcaption></figure>",
-                pictures::map(size, &pixels)?,
-                escaped(&part.title),
-            ));
-        }
-        content.push_str("</div>");
     }
     Ok(format!(
         "<section id=\"maps\"><h2>Where the error is</h2>\
-         <p>The error is taken apart by exchanging one approximation at a time. Maps show the relative error of each pixel, (a − b)/√(r² + 0.01), mean of the channels; with their noise.</p>\n\
-         <p class=\"scale\"><span>−{end}</span><i class=\"diverging\"></i><span>+{end}</span> <em>blue too dark, red too bright</em></p>\n\
-         <p class=\"scale\"><span>0</span><i class=\"sequential\"></i><span>{noise}</span> <em>noise after {SAMPLING_SECONDS:.0} s</em></p>\n{content}</section>\n",
-        end = percent(scale),
-        noise = percent(noise_scale),
+         <p>The error is taken apart by exchanging one approximation at a time. Maps show the relative error of each pixel, (a − b)/√(r² + 0.01), mean of the channels; \
+         their own noise is in them, but not in the numbers below them.</p>\n{content}</section>\n",
     ))
+}
+
+fn maps_of_kind(results: &Results, kind: PartKind, parts: &[&ErrorPart]) -> Result<String, ReportError> {
+    let size = [results.reference.picture.width, results.reference.picture.height];
+    let scale = maps::scale(parts.iter().map(|part| &part.map));
+    let end = percent(scale);
+    let mut content = if kind == PartKind::Sampling {
+        format!(
+            "<p class=\"scale\"><span>0</span><i class=\"sequential\"></i><span>{end}</span> <em>after {SAMPLING_SECONDS:.0} s</em></p>"
+        )
+    } else {
+        format!(
+            "<p class=\"scale\"><span>−{end}</span><i class=\"diverging\"></i><span>+{end}</span> <em>blue too dark, red too bright</em></p>"
+        )
+    };
+    content.push_str("<div class=\"maps\">");
+    for part in parts {
+        let (pixels, rms) = if kind == PartKind::Sampling {
+            (maps::unsigned(&part.map, scale), percent(part.square.value.max(0.0).sqrt()))
+        } else {
+            (maps::signed(&part.map, scale), format!("{} %", bias(part.square)))
+        };
+        content.push_str(&format!(
+            "<figure><img src=\"{}\" alt=\"\"><figcaption>{}<br>{rms} rms on translucent bodies</figcaption></figure>",
+            pictures::map(size, &pixels)?,
+            escaped(&part.title),
+        ));
+    }
+    content.push_str("</div>");
+    Ok(content)
 }
 
 /// What effects cost, and what they are worth.
