@@ -74,6 +74,10 @@ impl RayCaster for Recorder {
         self.record(Kind::AllHits(instance), ray);
         self.caster.all_hits(ray, instance, hits);
     }
+
+    fn distance_to_nearest(&self, point: Vec3, instance: u32, limit: f32) -> f32 {
+        self.caster.distance_to_nearest(point, instance, limit)
+    }
 }
 
 fn main() -> Result<(), Box<dyn Error>> {

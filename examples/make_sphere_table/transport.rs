@@ -64,6 +64,27 @@ fn rates(ordinates: &[(f64, f64)], kappa: f64, albedo: f64) -> Vec<f64> {
 }
 
 impl Sphere {
+    /// A sphere of optical radius `radius` in which the share `absorbed_share` in (0, 1) is absorbed at each collision.
+    #[allow(dead_code)] // The table is made over κ; tests ask by the share.
+    pub fn of_share(absorbed_share: f64, radius: f64) -> Self {
+        let ordinates = ordinates();
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..100 {
+            let middle = 0.5 * (low + high);
+            // 1 − ω with the digits of κ².
+            let term = |&(m, w): &(f64, f64)| w * (middle * m).powi(2) / (1.0 - (middle * m).powi(2));
+            let absorbed = albedo(&ordinates, middle) * ordinates.iter().map(term).sum::<f64>();
+            if absorbed < absorbed_share { low = middle } else { high = middle }
+        }
+        Self::new(low, radius)
+    }
+
+    /// e^(−κR), which [`Sphere::leaving`] is to be multiplied by.
+    #[allow(dead_code)]
+    pub fn scale(&self) -> f64 {
+        (-self.rates[0] * self.radius).exp()
+    }
+
     /// A sphere of optical radius `radius` in which light decays at the rate `kappa` in (0, 1), per mean free path.
     pub fn new(kappa: f64, radius: f64) -> Self {
         let ordinates = ordinates();
@@ -92,7 +113,14 @@ impl Sphere {
             1.0 / (1.0 - k * m) - across / (1.0 + k * m)
         });
         let inward = at_surface.lu().solve(&comes_in).expect("the modes are independent");
-        Self { ordinates, radius, albedo, rates, outward: both.as_slice().to_vec(), inward: inward.as_slice().to_vec() }
+        Self {
+            ordinates,
+            radius,
+            albedo,
+            rates,
+            outward: both.as_slice().to_vec(),
+            inward: inward.as_slice().to_vec(),
+        }
     }
 
     /// ψ without what comes straight from the source, times e^(κR), at distance `r` from the centre and `depth` = R − r

@@ -1,4 +1,4 @@
-//! Ray queries: closest hit, occlusion, and every hit on a segment.
+//! Ray queries: closest hit, occlusion, and every hit on a segment; and the distance of a point from a body.
 //!
 //! Backends stand behind [`RayCaster`]. Geometry is triangles only ([`Geometry`]); shapes are
 //! triangulated when the scene is read, so every backend sees the same triangles.
@@ -6,6 +6,7 @@
 pub mod bvh;
 #[cfg(feature = "embree")]
 pub mod embree;
+mod nearest;
 mod watertight;
 
 use glam::{Affine3A, DAffine3, Vec3};
@@ -83,7 +84,7 @@ pub struct MeshInstance {
     pub mesh: usize,
     /// Object to world; any invertible affine map, mirrored ones included.
     pub transform: Affine3A,
-    /// True if [`RayCaster::all_hits`] will be asked about this instance.
+    /// True if [`RayCaster::all_hits`] or [`RayCaster::distance_to_nearest`] will be asked about this instance.
     pub probed: bool,
 }
 
@@ -218,4 +219,10 @@ pub trait RayCaster: Send + Sync {
     /// have been marked [`MeshInstance::probed`]. A crossing through an edge shared by two
     /// triangles may be reported once for each of them.
     fn all_hits(&self, ray: &Ray, instance: u32, hits: &mut Vec<Hit>);
+    /// A lower bound of the distance from `point` to the triangles of one instance, in world units: `limit` if none is nearer
+    /// than that, otherwise exact up to 4 roundings of itself and half a rounding (2⁻²⁴) of the distance to the farthest
+    /// corner of the nearest triangle. It never is above the exact distance to the triangles as the backend holds them: a
+    /// sphere of this radius around the point does not touch them. The instance must have been marked
+    /// [`MeshInstance::probed`]. 0 if a coordinate is not finite.
+    fn distance_to_nearest(&self, point: Vec3, instance: u32, limit: f32) -> f32;
 }
