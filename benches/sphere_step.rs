@@ -44,12 +44,15 @@ fn bench_distance(criterion: &mut Criterion, name: &str, levels: u32) {
     let mut bench = |backend: &str, caster: &dyn RayCaster| {
         for (place, points) in [("inside", &inside), ("near the surface", &near)] {
             let mut next = 0;
-            criterion.bench_function(&format!("distance, {backend}, {name} triangles, {place}"), |bencher| {
-                bencher.iter(|| {
-                    next = (next + 1) % POINTS;
-                    caster.distance_to_nearest(points[next], 0, f32::INFINITY)
+            for tolerance in [0.0, 0.1, 0.2, 0.3, 0.5] {
+                let label = format!("distance to {tolerance}, {backend}, {name} triangles, {place}");
+                criterion.bench_function(&label, |bencher| {
+                    bencher.iter(|| {
+                        next = (next + 1) % POINTS;
+                        caster.distance_to_nearest(points[next], 0, f32::INFINITY, tolerance)
+                    });
                 });
-            });
+            }
             criterion.bench_function(&format!("ray, {backend}, {name} triangles, {place}"), |bencher| {
                 bencher.iter(|| {
                     next = (next + 1) % POINTS;

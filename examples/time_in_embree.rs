@@ -75,8 +75,8 @@ impl RayCaster for Recorder {
         self.caster.all_hits(ray, instance, hits);
     }
 
-    fn distance_to_nearest(&self, point: Vec3, instance: u32, limit: f32) -> f32 {
-        self.caster.distance_to_nearest(point, instance, limit)
+    fn distance_to_nearest(&self, point: Vec3, instance: u32, limit: f32, tolerance: f32) -> f32 {
+        self.caster.distance_to_nearest(point, instance, limit, tolerance)
     }
 }
 

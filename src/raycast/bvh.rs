@@ -153,10 +153,11 @@ impl RayCaster for BvhCaster {
         }
     }
 
-    fn distance_to_nearest(&self, point: Vec3, instance: u32, limit: f32) -> f32 {
+    fn distance_to_nearest(&self, point: Vec3, instance: u32, limit: f32, tolerance: f32) -> f32 {
         let placement = self.placement_of.get(instance as usize).copied().flatten();
         let placement = placement.map(|index| &self.placements[index]);
-        let mut search = Nearest::new(point, limit, placement.and_then(|placement| placement.space.as_ref()));
+        let mut search =
+            Nearest::new(point, limit, tolerance, placement.and_then(|placement| placement.space.as_ref()));
         if let Some(placement) = placement {
             self.meshes[placement.mesh].nearest(&mut search);
         }

@@ -220,9 +220,11 @@ pub trait RayCaster: Send + Sync {
     /// triangles may be reported once for each of them.
     fn all_hits(&self, ray: &Ray, instance: u32, hits: &mut Vec<Hit>);
     /// A lower bound of the distance from `point` to the triangles of one instance, in world units: `limit` if none is nearer
-    /// than that, otherwise exact up to 4 roundings of itself and half a rounding (2⁻²⁴) of the distance to the farthest
-    /// corner of the nearest triangle. It never is above the exact distance to the triangles as the backend holds them: a
-    /// sphere of this radius around the point does not touch them. The instance must have been marked
-    /// [`MeshInstance::probed`]. 0 if a coordinate is not finite.
-    fn distance_to_nearest(&self, point: Vec3, instance: u32, limit: f32) -> f32;
+    /// than that, otherwise below the exact distance by no more than the share `tolerance` of it, 4 roundings, and half a
+    /// rounding (2⁻²⁴) of the distance to the farthest corner of the nearest triangle. It is never above the exact distance to
+    /// the triangles as the backend holds them: a sphere of this radius around the point does not touch them. 0 if a coordinate
+    /// of the point is not finite. The instance must have been marked [`MeshInstance::probed`].
+    ///
+    /// A tolerance saves most of the work where much of the surface is about equally far, as seen from the middle of a body.
+    fn distance_to_nearest(&self, point: Vec3, instance: u32, limit: f32, tolerance: f32) -> f32;
 }

@@ -32,6 +32,8 @@ impl ObjectSpace {
 pub(super) struct Nearest<'a> {
     point: DVec3,
     space: Option<&'a ObjectSpace>,
+    /// One minus the tolerance.
+    kept: f64,
     /// Square of the distance to the nearest triangle so far, or of the limit.
     squared: f64,
     /// Square of the distance from the point to the farthest corner of that triangle.
@@ -45,17 +47,19 @@ const ROUNDING: f64 = f32::EPSILON as f64;
 
 impl<'a> Nearest<'a> {
     /// A search within `limit` around `point` of the world, in triangles that lie in `space`; none means the world.
-    pub(super) fn new(point: Vec3, limit: f32, space: Option<&'a ObjectSpace>) -> Self {
+    /// What would lower the distance by less than the share `tolerance` is not looked for.
+    pub(super) fn new(point: Vec3, limit: f32, tolerance: f32, space: Option<&'a ObjectSpace>) -> Self {
         // 0 for NaN too, and for a point that is none: then nothing is nearer.
         let limit = if point.is_finite() { f64::from(limit.max(0.0)) } else { 0.0 };
         let mut search = Self {
             point: point.as_dvec3(),
             space,
+            kept: 1.0 - f64::from(tolerance.max(0.0).min(1.0)),
             squared: limit * limit,
             reach_squared: 0.0,
             radius_squared: 0.0,
         };
-        search.update_radius();
+        search.update_radius(limit);
         search
     }
 
@@ -75,8 +79,8 @@ impl<'a> Nearest<'a> {
         self.radius_squared.sqrt().next_up()
     }
 
-    fn update_radius(&mut self) {
-        let mut radius = self.squared.sqrt();
+    /// Makes the search reach as far as `radius` in the world.
+    fn update_radius(&mut self, mut radius: f64) {
         if let Some(space) = self.space {
             // The local point is rounded, each coordinate by half a unit in the last place.
             let error = ROUNDING * f64::from(self.local_point().abs().max_element());
@@ -98,7 +102,7 @@ impl<'a> Nearest<'a> {
         if nearer {
             self.squared = squared;
             self.reach_squared = corners.map(DVec3::length_squared).into_iter().fold(0.0, f64::max);
-            self.update_radius();
+            self.update_radius(self.kept * squared.sqrt());
         }
         nearer
     }
@@ -114,7 +118,7 @@ impl<'a> Nearest<'a> {
             // The limit.
             return distance as f32;
         }
-        (distance * (1.0 - 4.0 * ROUNDING) - 0.5 * ROUNDING * reach).max(0.0) as f32
+        (self.kept * distance * (1.0 - 4.0 * ROUNDING) - 0.5 * ROUNDING * reach).max(0.0) as f32
     }
 }
 

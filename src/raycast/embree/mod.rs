@@ -156,9 +156,9 @@ impl RayCaster for EmbreeCaster {
         }
     }
 
-    fn distance_to_nearest(&self, point: Vec3, instance: u32, limit: f32) -> f32 {
+    fn distance_to_nearest(&self, point: Vec3, instance: u32, limit: f32, tolerance: f32) -> f32 {
         let body = self.bodies.get(instance as usize).and_then(Option::as_ref);
-        let mut search = Nearest::new(point, limit, body.and_then(|body| body.space.as_ref()));
+        let mut search = Nearest::new(point, limit, tolerance, body.and_then(|body| body.space.as_ref()));
         if let Some(body) = body {
             nearest::nearest(&body.scene, &mut search);
         }
