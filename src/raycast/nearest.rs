@@ -32,8 +32,9 @@ impl ObjectSpace {
 pub(super) struct Nearest<'a> {
     point: DVec3,
     space: Option<&'a ObjectSpace>,
-    /// One minus the tolerance.
+    /// One minus the tolerance, and its square.
     kept: f64,
+    kept_squared: f64,
     /// Square of the distance to the nearest triangle so far, or of the limit.
     squared: f64,
     /// Square of the distance from the point to the farthest corner of that triangle.
@@ -51,10 +52,12 @@ impl<'a> Nearest<'a> {
     pub(super) fn new(point: Vec3, limit: f32, tolerance: f32, space: Option<&'a ObjectSpace>) -> Self {
         // 0 for NaN too, and for a point that is none: then nothing is nearer.
         let limit = if point.is_finite() { f64::from(limit.max(0.0)) } else { 0.0 };
+        let kept = 1.0 - f64::from(tolerance.max(0.0).min(1.0));
         let mut search = Self {
             point: point.as_dvec3(),
             space,
-            kept: 1.0 - f64::from(tolerance.max(0.0).min(1.0)),
+            kept,
+            kept_squared: kept * kept,
             squared: limit * limit,
             reach_squared: 0.0,
             radius_squared: 0.0,
@@ -90,12 +93,19 @@ impl<'a> Nearest<'a> {
         self.radius_squared = (radius * radius * (1.0 + 16.0 * ROUNDING)) as f32;
     }
 
-    /// Looks at a triangle; true if it is nearer than all before.
+    /// Looks at a triangle; true if it is nearer than all before, by more than the tolerance.
     pub(super) fn offer(&mut self, corners: [Vec3; 3]) -> bool {
         let corners = corners.map(|corner| {
             let corner = corner.as_dvec3();
             self.space.map_or(corner, |space| space.to_world.transform_point3(corner)) - self.point
         });
+        // Most triangles that are offered are farther, which their boxes tell for a fraction of the work.
+        let [a, b, c] = corners;
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        let to_box = low.max(-high).max(DVec3::ZERO).length_squared();
+        if to_box > self.kept_squared * self.squared {
+            return false;
+        }
         let squared = squared_distance(corners);
         // False for NaN.
         let nearer = squared < self.squared;
