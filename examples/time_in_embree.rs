@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use alabaster::raycast::embree::EmbreeCaster;
-use alabaster::raycast::{Hit, Ray, RayCaster};
+use alabaster::raycast::{DistanceQuery, Hit, Ray, RayCaster};
 use alabaster::scene::{Scene, read_scene};
 use alabaster::transport::{Counters, Renderer};
 use common::cpu_time::thread_seconds;
@@ -75,8 +75,8 @@ impl RayCaster for Recorder {
         self.caster.all_hits(ray, instance, hits);
     }
 
-    fn distance_to_nearest(&self, point: Vec3, instance: u32, limit: f32, tolerance: f32) -> f32 {
-        self.caster.distance_to_nearest(point, instance, limit, tolerance)
+    fn distance_to_nearest(&self, query: &DistanceQuery, instance: u32) -> f32 {
+        self.caster.distance_to_nearest(query, instance)
     }
 }
 

@@ -3,7 +3,7 @@
 mod triangles;
 
 use alabaster::math::sampler::HashGenerator;
-use alabaster::raycast::{Geometry, MeshInstance};
+use alabaster::raycast::{DistanceQuery, Geometry, MeshInstance};
 use glam::{Affine3A, DVec3, Quat, Vec3};
 use triangles::{Mesh, backends, grid_point, placed, soup};
 
@@ -44,19 +44,28 @@ fn seen_from(point: Vec3, mesh: &Mesh, transform: &Affine3A, primitive: usize) -
 /// Asserts that `distance` is what the documentation promises for triangles seen from the point.
 fn assert_promise(
     name: &str,
+    query: &DistanceQuery,
     distance: f32,
-    tolerance: f32,
     triangles: &[[DVec3; 3]],
     random: &mut HashGenerator,
 ) {
     let distance = f64::from(distance);
     let exact = triangles.iter().map(|&corners| exact_distance(corners)).fold(f64::INFINITY, f64::min);
     assert!(distance <= exact, "{name}: {distance:e} is above {exact:e}");
+    let kept = 1.0 - f64::from(query.tolerance);
+    // What has been found is nearer than exact/kept.
+    let (least, matters) = (f64::from(query.least), 1.0 - 1e-9);
+    assert!(
+        distance == 0.0 || exact >= least * kept * matters,
+        "{name}: {distance:e} where {exact:e} is enough"
+    );
+    if distance == 0.0 && exact < least {
+        return;
+    }
     // What is left of the digits of a thin triangle, √ε of its reach, can make another one the nearest.
     let rounding = f64::from(f32::EPSILON);
     let reach_of = |corners: &[DVec3; 3]| corners.iter().map(|corner| corner.length()).fold(0.0, f64::max);
     let error_of = |corners: &[DVec3; 3]| f64::EPSILON.sqrt() * reach_of(corners);
-    let kept = 1.0 - f64::from(tolerance);
     let near =
         triangles.iter().filter(|corners| kept * exact_distance(**corners) <= exact + error_of(corners));
     let reach = near.map(reach_of).fold(0.0, f64::max);
@@ -73,8 +82,12 @@ fn assert_promise(
     }
 }
 
-/// Exact, and as a walk may ask.
-const TOLERANCES: [f32; 2] = [0.0, 0.25];
+/// Exact, and as a walk may ask, in a world of size `scale`.
+fn queries(point: Vec3, scale: f32) -> [DistanceQuery; 3] {
+    let exact = DistanceQuery::exact(point);
+    let coarse = DistanceQuery { tolerance: 0.25, ..exact };
+    [exact, coarse, DistanceQuery { least: 0.1 * scale, ..coarse }]
+}
 
 /// Triangles of every kind: whole, thin by up to 10⁻⁹ of their length, without area.
 fn awkward(random: &mut HashGenerator) -> Mesh {
@@ -116,9 +129,9 @@ fn distances_hold_at_every_scale_and_offset() {
                 for point in points.iter().map(|point| (*point + offset) * scale) {
                     let seen = |i| seen_from(point, &mesh, &Affine3A::IDENTITY, i);
                     let triangles: Vec<_> = (0..mesh.triangles.len()).map(seen).collect();
-                    for tolerance in TOLERANCES {
-                        let distance = caster.distance_to_nearest(point, 0, f32::INFINITY, tolerance);
-                        assert_promise(name, distance, tolerance, &triangles, &mut random);
+                    for query in queries(point, scale) {
+                        let distance = caster.distance_to_nearest(&query, 0);
+                        assert_promise(name, &query, distance, &triangles, &mut random);
                     }
                 }
             }
@@ -143,9 +156,9 @@ fn distances_are_those_of_the_world() {
                 let point = transform.transform_point3(local);
                 let triangles: Vec<_> =
                     (0..mesh.triangles.len()).map(|i| seen_from(point, &mesh, transform, i)).collect();
-                for tolerance in TOLERANCES {
-                    let distance = caster.distance_to_nearest(point, instance, f32::INFINITY, tolerance);
-                    assert_promise(name, distance, tolerance, &triangles, &mut random);
+                for query in queries(point, 1.0) {
+                    let distance = caster.distance_to_nearest(&query, instance);
+                    assert_promise(name, &query, distance, &triangles, &mut random);
                 }
             }
         }
@@ -159,25 +172,32 @@ fn the_limit_and_the_instance_restrict_the_search() {
     mesh.push([Vec3::ZERO, Vec3::X, Vec3::Y]);
     let above = |z: f32| Affine3A::from_translation(z * Vec3::Z);
     let point = Vec3::new(0.25, 0.25, 4.0);
+    let exact = DistanceQuery::exact(point);
     for (name, caster) in placed(&mesh, &[above(0.0), above(3.5)]) {
-        for (instance, exact) in [(0, 4.0), (1, 0.5)] {
-            let distance = caster.distance_to_nearest(point, instance, 1e6, 0.0);
-            assert!(distance <= exact && distance > exact * (1.0 - 1e-6), "{name}: {distance}");
-            assert_eq!(caster.distance_to_nearest(point, instance, 0.25, 0.0), 0.25, "{name}");
+        for (instance, expected) in [(0, 4.0), (1, 0.5)] {
+            let distance = caster.distance_to_nearest(&exact, instance);
+            assert!(distance <= expected && distance > expected * (1.0 - 1e-6), "{name}: {distance}");
+            let limited = DistanceQuery { limit: 0.25, ..exact };
+            assert_eq!(caster.distance_to_nearest(&limited, instance), 0.25, "{name}");
+            let more = DistanceQuery { least: 4.5, ..exact };
+            assert_eq!(caster.distance_to_nearest(&more, instance), 0.0, "{name}");
         }
-        assert_eq!(caster.distance_to_nearest(point, 2, 7.0, 0.0), 7.0, "{name}: no such instance");
+        let seven = DistanceQuery { limit: 7.0, ..exact };
+        assert_eq!(caster.distance_to_nearest(&seven, 2), 7.0, "{name}: no such instance");
         for nothing in [0.0, -1.0, f32::NAN] {
-            assert_eq!(caster.distance_to_nearest(point, 0, nothing, 0.0), 0.0, "{name}");
+            let query = DistanceQuery { limit: nothing, ..exact };
+            assert_eq!(caster.distance_to_nearest(&query, 0), 0.0, "{name}");
         }
         for bad in [f32::NAN, f32::INFINITY] {
-            assert_eq!(caster.distance_to_nearest(point.with_y(bad), 0, 7.0, 0.0), 0.0, "{name}");
+            let query = DistanceQuery { point: point.with_y(bad), ..exact };
+            assert_eq!(caster.distance_to_nearest(&query, 0), 0.0, "{name}");
         }
     }
     let empty = MeshInstance { mesh: 0, transform: Affine3A::IDENTITY, probed: true };
     let mesh = Mesh::default();
     let geometry = Geometry { meshes: &[mesh.view()], instances: &[empty] };
     for (name, caster) in backends(&geometry) {
-        assert_eq!(caster.distance_to_nearest(point, 0, 7.0, 0.0), 7.0, "{name}: nothing there");
+        assert_eq!(caster.distance_to_nearest(&exact, 0), f32::INFINITY, "{name}: nothing there");
     }
 }
 
@@ -195,7 +215,7 @@ fn broken_and_pathological_meshes_are_searched() {
     let nearest_power = 2.0_f32.powi(-20);
     for (mesh, exact) in [(copies, 1.0), (powers, nearest_power), (broken, 1.0)] {
         for (name, caster) in placed(&mesh, &[Affine3A::IDENTITY]) {
-            let distance = caster.distance_to_nearest(Vec3::ZERO, 0, f32::INFINITY, 0.0);
+            let distance = caster.distance_to_nearest(&DistanceQuery::exact(Vec3::ZERO), 0);
             assert!(distance <= exact && distance > exact * (1.0 - 1e-6), "{name}: {distance}, not {exact}");
         }
     }
@@ -218,7 +238,8 @@ fn distances_inside_a_sphere_are_those_to_its_surface() {
     for (name, caster) in placed(&mesh, &[Affine3A::IDENTITY]) {
         for _ in 0..2000 {
             let point = 0.57 * grid_point(&mut random);
-            let (distance, exact) = (caster.distance_to_nearest(point, 0, 2.0, 0.0), 1.0 - point.length());
+            let distance = caster.distance_to_nearest(&DistanceQuery::exact(point), 0);
+            let exact = 1.0 - point.length();
             assert!(
                 (exact - 1.5 * sagitta..=exact + 1e-6).contains(&distance),
                 "{name}: {distance}, {exact}"

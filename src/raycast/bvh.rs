@@ -25,7 +25,7 @@ use obvhs::ray::{Ray as NodeRay, RayHit};
 
 use super::nearest::{Nearest, ObjectSpace};
 use super::watertight::WatertightRay;
-use super::{Geometry, Hit, Ray, RayCaster, RaycastError};
+use super::{DistanceQuery, Geometry, Hit, Ray, RayCaster, RaycastError};
 
 /// How much faster the parameter of the rays that nodes are tested with runs.
 const NODE_SPEED: f32 = (1_u64 << 40) as f32;
@@ -153,11 +153,10 @@ impl RayCaster for BvhCaster {
         }
     }
 
-    fn distance_to_nearest(&self, point: Vec3, instance: u32, limit: f32, tolerance: f32) -> f32 {
+    fn distance_to_nearest(&self, query: &DistanceQuery, instance: u32) -> f32 {
         let placement = self.placement_of.get(instance as usize).copied().flatten();
         let placement = placement.map(|index| &self.placements[index]);
-        let mut search =
-            Nearest::new(point, limit, tolerance, placement.and_then(|placement| placement.space.as_ref()));
+        let mut search = Nearest::new(query, placement.and_then(|placement| placement.space.as_ref()));
         if let Some(placement) = placement {
             self.meshes[placement.mesh].nearest(&mut search);
         }

@@ -3,6 +3,8 @@
 use glam::{Affine3A, DAffine3, DVec3, Vec3};
 use nalgebra::Matrix3;
 
+use super::DistanceQuery;
+
 /// Between the world and the space of a mesh that is placed several times.
 #[derive(Clone, Debug)]
 pub(super) struct ObjectSpace {
@@ -27,19 +29,20 @@ impl ObjectSpace {
 /// The search for the triangle nearest to a point.
 ///
 /// Distances are computed in double precision from the vertices as they are, in the world. Hierarchies work in
-/// single precision and in their own space; they are asked for everything within [`Nearest::radius`], which is
-/// rounded up.
+/// single precision and in their own space; they are asked for everything within a radius that is rounded up.
 pub(super) struct Nearest<'a> {
     point: DVec3,
     space: Option<&'a ObjectSpace>,
     /// One minus the tolerance, and its square.
     kept: f64,
     kept_squared: f64,
+    /// Square of the distance below which it does not matter.
+    least_squared: f64,
     /// Square of the distance to the nearest triangle so far, or of the limit.
     squared: f64,
     /// Square of the distance from the point to the farthest corner of that triangle.
     reach_squared: f64,
-    /// Square of [`Nearest::radius`].
+    /// Square of how far from the local point is searched.
     radius_squared: f32,
 }
 
@@ -47,17 +50,18 @@ pub(super) struct Nearest<'a> {
 const ROUNDING: f64 = f32::EPSILON as f64;
 
 impl<'a> Nearest<'a> {
-    /// A search within `limit` around `point` of the world, in triangles that lie in `space`; none means the world.
-    /// What would lower the distance by less than the share `tolerance` is not looked for.
-    pub(super) fn new(point: Vec3, limit: f32, tolerance: f32, space: Option<&'a ObjectSpace>) -> Self {
+    /// The search that `query` asks for, in triangles that lie in `space`; none means the world.
+    pub(super) fn new(query: &DistanceQuery, space: Option<&'a ObjectSpace>) -> Self {
         // 0 for NaN too, and for a point that is none: then nothing is nearer.
-        let limit = if point.is_finite() { f64::from(limit.max(0.0)) } else { 0.0 };
-        let kept = 1.0 - f64::from(tolerance.max(0.0).min(1.0));
+        let limit = if query.point.is_finite() { f64::from(query.limit.max(0.0)) } else { 0.0 };
+        let kept = 1.0 - f64::from(query.tolerance.clamp(0.0, 1.0));
+        let least = f64::from(query.least.max(0.0));
         let mut search = Self {
-            point: point.as_dvec3(),
+            point: query.point.as_dvec3(),
             space,
             kept,
             kept_squared: kept * kept,
+            least_squared: least * least,
             squared: limit * limit,
             reach_squared: 0.0,
             radius_squared: 0.0,
@@ -72,12 +76,13 @@ impl<'a> Nearest<'a> {
         local.as_vec3()
     }
 
-    /// Square of [`Nearest::radius`].
+    /// Square of the distance from the local point beyond which triangles need not be offered.
     pub(super) fn radius_squared(&self) -> f32 {
         self.radius_squared
     }
 
     /// Triangles farther than this from the local point need not be offered.
+    #[cfg(feature = "embree")]
     pub(super) fn radius(&self) -> f32 {
         self.radius_squared.sqrt().next_up()
     }
@@ -110,9 +115,10 @@ impl<'a> Nearest<'a> {
         // False for NaN.
         let nearer = squared < self.squared;
         if nearer {
-            self.squared = squared;
+            // At 0 the search ends.
+            self.squared = if squared < self.least_squared { 0.0 } else { squared };
             self.reach_squared = corners.map(DVec3::length_squared).into_iter().fold(0.0, f64::max);
-            self.update_radius(self.kept * squared.sqrt());
+            self.update_radius(self.kept * self.squared.sqrt());
         }
         nearer
     }

@@ -110,7 +110,7 @@ impl SphereStep {
         let ratio = lower.survival * (1.0 - share) + upper.survival * share;
         let straight = (-radius).exp();
         let asymptotic = asymptotic_survival(f64::from(self.kappa), f64::from(radius), 0.0) as f32;
-        let survival = (ratio * asymptotic).clamp(straight, 1.0);
+        let survival = (ratio * asymptotic).max(straight).min(1.0);
         Departure { survival, straight, nodes: [(lower, 1.0 - share), (upper, share)] }
     }
 }

@@ -26,7 +26,7 @@ const EXTRAPOLATION: f64 = 0.710_446_09;
 const COLUMNS: usize = 1 + ANGLES;
 
 /// [sum][share][column], little-endian; `cargo run --release --example make_sphere_table` makes it.
-static DATA: &[u8] = include_bytes!("table.f32");
+static DATA: &[u8; SUMS * RATES * COLUMNS * 4] = include_bytes!("table.f32");
 
 /// T = artanh κ and the optical radius τ of a node.
 pub fn node(sum: usize, share: usize) -> (f64, f64) {

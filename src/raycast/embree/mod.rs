@@ -26,12 +26,11 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use embree4_sys as rtc;
-use glam::Vec3;
 
 use self::device::Device;
 use self::scene::{Scene, Shape};
 use super::nearest::{Nearest, ObjectSpace};
-use super::{Geometry, Hit, Ray, RayCaster, RaycastError};
+use super::{DistanceQuery, Geometry, Hit, Ray, RayCaster, RaycastError};
 
 /// The Embree backend.
 pub struct EmbreeCaster {
@@ -156,9 +155,9 @@ impl RayCaster for EmbreeCaster {
         }
     }
 
-    fn distance_to_nearest(&self, point: Vec3, instance: u32, limit: f32, tolerance: f32) -> f32 {
+    fn distance_to_nearest(&self, query: &DistanceQuery, instance: u32) -> f32 {
         let body = self.bodies.get(instance as usize).and_then(Option::as_ref);
-        let mut search = Nearest::new(point, limit, tolerance, body.and_then(|body| body.space.as_ref()));
+        let mut search = Nearest::new(query, body.and_then(|body| body.space.as_ref()));
         if let Some(body) = body {
             nearest::nearest(&body.scene, &mut search);
         }
