@@ -1,10 +1,13 @@
-//! What a step on a sphere costs: the distance to the surface, the table; and the walk that it replaces.
+//! What a step on a sphere costs: the distance to the surface, the table; and the walk that it replaces. Last, both walks
+//! of a photon through a whole body.
 
 use std::f32::consts::TAU;
 use std::hint::black_box;
 
+use alabaster::math::Frame;
 use alabaster::math::sampler::HashGenerator;
 use alabaster::medium::SphereStep;
+use alabaster::medium::sphere_step::Exit;
 use alabaster::raycast::bvh::BvhCaster;
 use alabaster::raycast::embree::EmbreeCaster;
 use alabaster::raycast::{DistanceQuery, Geometry, MeshInstance, Ray, RayCaster, TriangleMesh};
@@ -22,6 +25,7 @@ fn main() {
     }
     bench_table(&mut criterion);
     bench_walk(&mut criterion);
+    bench_body(&mut criterion);
     criterion.final_summary();
 }
 
@@ -106,6 +110,90 @@ fn bench_walk(criterion: &mut Criterion) {
                 }
             });
         });
+    }
+}
+
+/// A photon that enters a sphere of 82 k triangles and radius 1 and leaves it or is absorbed.
+fn bench_body(criterion: &mut Criterion) {
+    let mesh = shape::sphere(Vec3::ZERO, 1.0, 6);
+    let view = TriangleMesh { positions: &mesh.positions, triangles: &mesh.triangles };
+    let instance = MeshInstance { mesh: 0, transform: Affine3A::IDENTITY, probed: true };
+    let geometry = Geometry { meshes: &[view], instances: &[instance] };
+    let embree = EmbreeCaster::new(&geometry, 1).unwrap();
+    let bvh = BvhCaster::new(&geometry).unwrap();
+    let absorbed_share = 1e-4;
+    let step = SphereStep::new(absorbed_share).unwrap();
+    for sigma_t in [30.0, 100.0] {
+        let mut bench = |name: &str, least: f32, caster: &dyn RayCaster| {
+            let body = Body { caster, rays: &embree, sigma_t, absorbed_share, step: &step, least };
+            let mut random = HashGenerator::new(4);
+            criterion.bench_function(&format!("body {} mfp thick, {name}", 2.0 * sigma_t), |bencher| {
+                bencher.iter(|| body.walk(&mut random));
+            });
+        };
+        bench("plain", f32::INFINITY, &embree);
+        for least in [2.0, 4.0, 8.0, 16.0] {
+            bench(&format!("spheres from {least} mfp, embree"), least, &embree);
+            bench(&format!("spheres from {least} mfp, bvh"), least, &bvh);
+        }
+    }
+}
+
+struct Body<'a> {
+    /// Answers how far the surface is.
+    caster: &'a dyn RayCaster,
+    rays: &'a EmbreeCaster,
+    sigma_t: f32,
+    absorbed_share: f32,
+    step: &'a SphereStep,
+    /// The least optical radius of a sphere; infinite for a plain walk.
+    least: f32,
+}
+
+impl Body<'_> {
+    /// The weight that leaves.
+    fn walk(&self, random: &mut HashGenerator) -> f32 {
+        let mut ray = Ray::new(Vec3::new(0.0, 0.0, 0.999), -Vec3::Z);
+        let mut weight = 1.0_f32;
+        loop {
+            ray.t_max = -(1.0 - random.next_f32()).ln() / self.sigma_t;
+            if self.rays.closest(&ray).is_some() {
+                return weight;
+            }
+            ray.origin = ray.at(ray.t_max);
+            weight *= 1.0 - self.absorbed_share;
+            ray.direction = direction(random);
+            if self.least.is_finite() {
+                self.cross_spheres(&mut ray, &mut weight, random);
+            }
+            if weight < 0.1 {
+                if random.next_f32() > 0.5 {
+                    return 0.0;
+                }
+                weight *= 2.0;
+            }
+        }
+    }
+
+    /// After a collision: to the surface of a sphere, if one is large enough.
+    fn cross_spheres(&self, ray: &mut Ray, weight: &mut f32, random: &mut HashGenerator) {
+        let least = self.least / self.sigma_t;
+        let query = DistanceQuery { tolerance: 0.3, least, ..DistanceQuery::exact(ray.origin) };
+        let radius = self.caster.distance_to_nearest(&query, 0);
+        if radius < least {
+            return;
+        }
+        let departure = self.step.departure(radius * self.sigma_t);
+        *weight *= departure.survival();
+        let exit = departure.sample(random.next_f32());
+        // The direction that was drawn serves as the place.
+        let normal = ray.direction;
+        ray.origin += normal * radius;
+        if let Exit::Oblique { angle } = exit {
+            let (sin, cos) = angle.sin_cos();
+            let (y, x) = (TAU * random.next_f32()).sin_cos();
+            ray.direction = Frame::from_normal(normal).to_world(Vec3::new(sin * x, sin * y, cos));
+        }
     }
 }
 
