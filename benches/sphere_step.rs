@@ -123,18 +123,18 @@ fn bench_body(criterion: &mut Criterion) {
     let bvh = BvhCaster::new(&geometry).unwrap();
     let absorbed_share = 1e-4;
     let step = SphereStep::new(absorbed_share).unwrap();
-    for sigma_t in [30.0, 100.0] {
-        let mut bench = |name: &str, least: f32, caster: &dyn RayCaster| {
-            let body = Body { caster, rays: &embree, sigma_t, absorbed_share, step: &step, least };
+    for sigma_t in [30.0, 100.0, 1000.0] {
+        let mut bench = |name: &str, least: f32, patience: u32, caster: &dyn RayCaster| {
+            let body = Body { caster, rays: &embree, sigma_t, absorbed_share, step: &step, least, patience };
             let mut random = HashGenerator::new(4);
             criterion.bench_function(&format!("body {} mfp thick, {name}", 2.0 * sigma_t), |bencher| {
                 bencher.iter(|| body.walk(&mut random));
             });
         };
-        bench("plain", f32::INFINITY, &embree);
-        for least in [2.0, 4.0, 8.0, 16.0] {
-            bench(&format!("spheres from {least} mfp, embree"), least, &embree);
-            bench(&format!("spheres from {least} mfp, bvh"), least, &bvh);
+        bench("plain", f32::INFINITY, 0, &embree);
+        for (least, patience) in [(3.0, 0), (3.0, 8), (3.0, 32), (6.0, 64), (12.0, 256)] {
+            bench(&format!("spheres from {least} mfp after {patience}, embree"), least, patience, &embree);
+            bench(&format!("spheres from {least} mfp after {patience}, bvh"), least, patience, &bvh);
         }
     }
 }
@@ -148,6 +148,8 @@ struct Body<'a> {
     step: &'a SphereStep,
     /// The least optical radius of a sphere; infinite for a plain walk.
     least: f32,
+    /// Collisions after entry, or after the surface was too near for a sphere, before it is asked for.
+    patience: u32,
 }
 
 impl Body<'_> {
@@ -155,6 +157,7 @@ impl Body<'_> {
     fn walk(&self, random: &mut HashGenerator) -> f32 {
         let mut ray = Ray::new(Vec3::new(0.0, 0.0, 0.999), -Vec3::Z);
         let mut weight = 1.0_f32;
+        let mut wait = self.patience;
         loop {
             ray.t_max = -(1.0 - random.next_f32()).ln() / self.sigma_t;
             if self.rays.closest(&ray).is_some() {
@@ -163,8 +166,9 @@ impl Body<'_> {
             ray.origin = ray.at(ray.t_max);
             weight *= 1.0 - self.absorbed_share;
             ray.direction = direction(random);
-            if self.least.is_finite() {
-                self.cross_spheres(&mut ray, &mut weight, random);
+            wait = wait.saturating_sub(1);
+            if self.least.is_finite() && wait == 0 && !self.cross_sphere(&mut ray, &mut weight, random) {
+                wait = self.patience;
             }
             if weight < 0.1 {
                 if random.next_f32() > 0.5 {
@@ -175,13 +179,13 @@ impl Body<'_> {
         }
     }
 
-    /// After a collision: to the surface of a sphere, if one is large enough.
-    fn cross_spheres(&self, ray: &mut Ray, weight: &mut f32, random: &mut HashGenerator) {
+    /// After a collision: to the surface of a sphere; false if none is large enough.
+    fn cross_sphere(&self, ray: &mut Ray, weight: &mut f32, random: &mut HashGenerator) -> bool {
         let least = self.least / self.sigma_t;
         let query = DistanceQuery { tolerance: 0.3, least, ..DistanceQuery::exact(ray.origin) };
         let radius = self.caster.distance_to_nearest(&query, 0);
         if radius < least {
-            return;
+            return false;
         }
         let departure = self.step.departure(radius * self.sigma_t);
         *weight *= departure.survival();
@@ -194,6 +198,7 @@ impl Body<'_> {
             let (y, x) = (TAU * random.next_f32()).sin_cos();
             ray.direction = Frame::from_normal(normal).to_world(Vec3::new(sin * x, sin * y, cos));
         }
+        true
     }
 }
 
