@@ -25,7 +25,7 @@ const EXTRAPOLATION: f64 = 0.710_446_09;
 /// Numbers of a node: survival over its asymptotic form, then the density of the angle at each node.
 const COLUMNS: usize = 1 + ANGLES;
 
-/// [sum][share][column], little-endian; `cargo run --release --example make_sphere_table` makes it.
+/// `[sum][share][column]`, little-endian; `cargo run --release --example make_sphere_table` makes it.
 static DATA: &[u8; SUMS * RATES * COLUMNS * 4] = include_bytes!("table.f32");
 
 /// T = artanh κ and the optical radius τ of a node.
