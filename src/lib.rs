@@ -11,6 +11,7 @@ pub mod diffusion;
 pub mod film;
 pub mod math;
 pub mod medium;
+pub mod open_exr;
 pub mod optics;
 pub mod radiometry;
 pub mod raycast;

@@ -1,18 +1,15 @@
 //! Output files are checked before the work and replaced whole or not at all.
 
+#[path = "common/program.rs"]
+#[allow(dead_code)]
+mod program;
+
 use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 
 use alabaster::film::output::{Format, OutputError, check_writable, replace};
-
-fn names(directory: &Path) -> Vec<String> {
-    let entries = fs::read_dir(directory).unwrap();
-    let mut names: Vec<String> =
-        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-    names.sort();
-    names
-}
+use program::names;
 
 #[test]
 fn a_failed_write_leaves_the_old_file_whole_and_nothing_else() {

@@ -1,65 +1,28 @@
 //! `alabaster profile`: files, JSON, exit codes and messages.
 
+#[path = "common/program.rs"]
+#[allow(dead_code)]
+mod program;
+
 use std::fs;
-use std::path::PathBuf;
 
-use assert_cmd::Command;
+use program::{Folder, names};
 use serde_json::Value;
-use tempfile::TempDir;
 
-struct Folder(TempDir);
-
-impl Folder {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    /// `profile` with these arguments, few photons, and `-o out`.
-    fn profile(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_alabaster"));
-        command.current_dir(self.0.path()).env_remove("RUST_LOG");
-        command.args(["profile", "-o", "out", "--photons", "2000"]).args(arguments);
-        command
-    }
-
-    /// The names of the files in `out`.
-    fn names(&self) -> Vec<String> {
-        let entries = fs::read_dir(self.path("out")).unwrap();
-        let mut names: Vec<String> =
-            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-        names.sort();
-        names
-    }
+/// `profile` with these arguments, few photons, and `-o out`.
+fn profile<'a>(arguments: &[&'a str]) -> Vec<&'a str> {
+    [&["profile", "-o", "out", "--photons", "2000"], arguments].concat()
 }
 
-/// Standard output and standard error of a command that must end with `code`.
-fn ends_with(mut command: Command, code: i32) -> (String, String) {
-    let output = command.assert().code(code).get_output().clone();
-    (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap())
-}
-
-fn report(command: Command) -> Value {
-    let (stdout, _) = ends_with(command, 0);
-    serde_json::from_str(&stdout).unwrap()
-}
-
-/// Must be refused with exit code 2 and one message that contains `part`, and write nothing.
-fn is_refused(folder: &Folder, arguments: &[&str], part: &str) {
-    let (stdout, stderr) = ends_with(folder.profile(arguments), 2);
-    assert_eq!(stdout, "");
-    assert_eq!(stderr.matches("error: ").count(), 1, "{stderr}");
-    assert!(stderr.contains(part), "{stderr}");
-    assert!(!folder.path("out").exists());
+/// The names of the files in `out`.
+fn outputs(folder: &Folder) -> Vec<String> {
+    names(&folder.path("out"))
 }
 
 #[test]
 fn a_material_gives_tables_pictures_and_json() {
     let folder = Folder::new();
-    let report = report(folder.profile(&["marble", "--json", "--cutoff", "0.002"]));
+    let report = folder.run(&profile(&["marble", "--json", "--cutoff", "0.002"])).report();
     assert_eq!(report["material"], "Marble");
     for key in ["albedo", "stderr"] {
         assert!(report["truth"][key].as_f64().unwrap() > 0.0, "{key}");
@@ -93,7 +56,7 @@ fn a_material_gives_tables_pictures_and_json() {
         "profile_log.svg",
         "profile_radius_times_r.svg",
     ];
-    assert_eq!(folder.names(), files);
+    assert_eq!(outputs(&folder), files);
     let written: Value =
         serde_json::from_str(&fs::read_to_string(folder.path("out/profile.json")).unwrap()).unwrap();
     assert_eq!(written, report);
@@ -102,19 +65,20 @@ fn a_material_gives_tables_pictures_and_json() {
 #[test]
 fn the_table_names_models_and_lengths() {
     let folder = Folder::new();
-    let (stdout, stderr) = ends_with(folder.profile(&["marble", "--models", "photon-beam,dipole"]), 0);
+    let (stdout, stderr) = folder.run(&profile(&["marble", "--models", "photon-beam,dipole"])).ends_with(0);
     assert!(stdout.contains("green, reflectance: mean free path 0.3811 mm, reduced 0.3811 mm"), "{stdout}");
     assert_eq!(stdout.matches("photon-beam").count(), 3);
     assert!(!stdout.contains("tabulated") && stderr.is_empty(), "{stderr}");
-    let (stdout, _) = ends_with(folder.profile(&["marble", "--quiet"]), 0);
+    let (stdout, _) = folder.run(&profile(&["marble", "--quiet"])).ends_with(0);
     assert_eq!(stdout, "");
 }
 
 #[test]
 fn every_way_to_give_a_medium_is_taken() {
     let folder = Folder::new();
-    let one =
-        |arguments: &[&str]| report(folder.profile(&[arguments, &["--models", "dipole", "--json"]].concat()));
+    let one = |arguments: &[&str]| {
+        folder.run(&profile(&[arguments, &["--models", "dipole", "--json"]].concat())).report()
+    };
     let marble = one(&["marble"]);
     let coefficients = one(&["--sigma-a", "2.1,4.1,7.1", "--sigma-s", "2190,2620,3000", "--ior", "1.5"]);
     let albedo = |report: &Value| report["truth"]["albedo"].as_f64().unwrap();
@@ -155,14 +119,14 @@ fn mci(layers: &[&str]) -> String {
 fn layers_of_mcml_are_half_spaces_or_slabs() {
     let folder = Folder::new();
     fs::write(folder.path("deep.mci"), mci(&["1.4 0.2 10 0.0 1e8"])).unwrap();
-    let deep = report(folder.profile(&["deep.mci", "--models", "dipole", "--json"]));
+    let deep = folder.run(&profile(&["deep.mci", "--models", "dipole", "--json"])).report();
     assert_eq!(deep["thickness_m"], Value::Null);
     let channel = &deep["channels"][0];
     // 1/cm are 100/m.
     assert!((channel["sigma_a"].as_f64().unwrap() - 20.0).abs() < 1e-12);
     assert!((channel["sigma_s"].as_f64().unwrap() - 1000.0).abs() < 1e-9);
     fs::write(folder.path("thin.mci"), mci(&["1.4 0.2 10 0.0 0.5"])).unwrap();
-    let thin = report(folder.profile(&["thin.mci", "--json"]));
+    let thin = folder.run(&profile(&["thin.mci", "--json"])).report();
     assert!((thin["thickness_m"].as_f64().unwrap() - 0.005).abs() < 1e-15);
     let quantities: Vec<_> =
         thin["channels"].as_array().unwrap().iter().map(|c| c["quantity"].as_str().unwrap()).collect();
@@ -176,20 +140,21 @@ fn layers_of_mcml_are_half_spaces_or_slabs() {
 fn files_that_no_model_is_of_are_refused() {
     let folder = Folder::new();
     fs::write(folder.path("two.mci"), mci(&["1.4 0.2 10 0.0 0.5", "1.5 0.1 20 0.0 1e8"])).unwrap();
-    is_refused(&folder, &["two.mci"], "two.mci: run on line 4: there are 2 layers");
+    folder.refuses(&profile(&["two.mci"]), 2, "two.mci: run on line 4: there are 2 layers");
     fs::write(folder.path("bad.mci"), mci(&["1.4 -0.2 10 0.0 0.5"])).unwrap();
-    is_refused(&folder, &["bad.mci"], "bad.mci: line 10");
+    folder.refuses(&profile(&["bad.mci"]), 2, "bad.mci: line 10");
     fs::write(folder.path("thin.mci"), mci(&["1.4 0.2 10 0.0 0.5"])).unwrap();
-    is_refused(&folder, &["thin.mci", "--models", "dipole"], "dipole is a model of a half-space");
-    is_refused(&folder, &["thin.mci", "--sweep", "g=0:0.5:2"], "--sweep is of half-spaces");
-    is_refused(&folder, &["thin.mci", "--g", "0.5"], "leave out --g and --ior");
+    folder.refuses(&profile(&["thin.mci", "--models", "dipole"]), 2, "dipole is a model of a half-space");
+    folder.refuses(&profile(&["thin.mci", "--sweep", "g=0:0.5:2"]), 2, "--sweep is of half-spaces");
+    folder.refuses(&profile(&["thin.mci", "--g", "0.5"]), 2, "leave out --g and --ior");
 }
 
 #[test]
 fn lengths_that_are_hardly_meant_are_said() {
     let folder = Folder::new();
-    let (stdout, stderr) =
-        ends_with(folder.profile(&["--sigma-a", "0.0041", "--sigma-s", "2.62", "--models", "dipole"]), 0);
+    let (stdout, stderr) = folder
+        .run(&profile(&["--sigma-a", "0.0041", "--sigma-s", "2.62", "--models", "dipole"]))
+        .ends_with(0);
     assert!(stderr.contains("warning: ") && stderr.contains("multiply them by 1000"), "{stderr}");
     assert!(stdout.contains("mean free path 381.1 mm"), "{stdout}");
 }
@@ -198,23 +163,23 @@ fn lengths_that_are_hardly_meant_are_said() {
 fn too_large_errors_end_with_1_after_everything_is_written() {
     let folder = Folder::new();
     let arguments = ["--sigma-a", "100", "--sigma-s", "900", "--models", "dipole"];
-    let (_, stderr) = ends_with(folder.profile(&[&arguments[..], &["--max-error", "0.05"]].concat()), 1);
+    let (_, stderr) = folder.run(&profile(&[&arguments[..], &["--max-error", "0.05"]].concat())).ends_with(1);
     assert!(stderr.contains("failed: L1 error above --max-error 0.05: dipole"), "{stderr}");
-    assert_eq!(folder.names().len(), 7);
-    ends_with(folder.profile(&[&arguments[..], &["--max-error", "3"]].concat()), 0);
+    assert_eq!(outputs(&folder).len(), 7);
+    folder.run(&profile(&[&arguments[..], &["--max-error", "3"]].concat())).ends_with(0);
 }
 
 #[test]
 fn sweeps_are_written() {
     let folder = Folder::new();
-    let sweep = report(folder.profile(&["--sweep", "albedo=0.5:1:3", "--models", "dipole", "--json"]));
+    let sweep = folder.run(&profile(&["--sweep", "albedo=0.5:1:3", "--models", "dipole", "--json"])).report();
     assert_eq!(sweep["parameter"], "albedo");
     assert_eq!(sweep["points"].as_array().unwrap().len(), 3);
     // Without absorption everything comes back.
     assert_eq!(sweep["points"][2]["truth"]["exact_albedo"], 1.0);
-    assert_eq!(folder.names(), ["sweep.csv", "sweep.json", "sweep.svg"]);
+    assert_eq!(outputs(&folder), ["sweep.csv", "sweep.json", "sweep.svg"]);
     for (sweep, value) in [("g=0:0.8:2", "0.8"), ("ior=1:1.5:2", "1.5")] {
-        ends_with(folder.profile(&["--sweep", sweep, "--models", "dipole", "--quiet"]), 0);
+        folder.run(&profile(&["--sweep", sweep, "--models", "dipole", "--quiet"])).ends_with(0);
         let csv = fs::read_to_string(folder.path("out/sweep.csv")).unwrap();
         assert!(csv.lines().last().unwrap().starts_with(value), "{csv}");
     }
@@ -223,34 +188,27 @@ fn sweeps_are_written() {
 #[test]
 fn fits_are_written() {
     let folder = Folder::new();
-    ends_with(
-        folder.profile(&["--sigma-a", "20", "--sigma-s", "1500", "--ior", "1.4", "--models", "photon-beam"]),
-        0,
-    );
-    let profile = fs::read_to_string(folder.path("out/profile.csv")).unwrap();
+    folder
+        .run(&profile(&["--sigma-a", "20", "--sigma-s", "1500", "--ior", "1.4", "--models", "photon-beam"]))
+        .ends_with(0);
+    let written = fs::read_to_string(folder.path("out/profile.csv")).unwrap();
     // The model's own curve, in the columns that a measurement has.
-    let rows = profile.lines().filter(|line| line.contains(",photon-beam,")).map(|line| {
+    let rows = written.lines().filter(|line| line.contains(",photon-beam,")).map(|line| {
         let fields: Vec<&str> = line.split(',').collect();
         format!("{},{}\n", fields[5], fields[6])
     });
     let rows: String = rows.skip(20).take(30).collect();
     fs::write(folder.path("measured.csv"), format!("radius_mm,reflectance_per_mm2\n{rows}")).unwrap();
-    let fit = report(folder.profile(&[
-        "--fit",
-        "measured.csv",
-        "--ior",
-        "1.4",
-        "--models",
-        "photon-beam",
-        "--json",
-    ]));
+    let fit = folder
+        .run(&profile(&["--fit", "measured.csv", "--ior", "1.4", "--models", "photon-beam", "--json"]))
+        .report();
     // Means over rings are not values at their middles: 1 % of the curve.
     for (key, expected) in [("sigma_s_reduced", 1500.0), ("sigma_a", 20.0)] {
         let value = fit[key]["value"].as_f64().unwrap();
         assert!((value / expected - 1.0).abs() < 0.05, "{key} {value}");
         assert!(fit[key]["stderr"].as_f64().unwrap() > 0.0);
     }
-    assert!(folder.names().iter().any(|name| name == "fit.svg"));
+    assert!(outputs(&folder).iter().any(|name| name == "fit.svg"));
 }
 
 #[test]
@@ -284,7 +242,7 @@ fn wrong_command_lines_are_refused() {
         (&["missing.mci"], "missing.mci: cannot be read"),
     ];
     for (arguments, part) in cases {
-        is_refused(&folder, arguments, part);
+        folder.refuses(&profile(arguments), 2, part);
     }
 }
 
@@ -292,28 +250,20 @@ fn wrong_command_lines_are_refused() {
 fn a_directory_that_cannot_be_made_is_a_failure_of_the_machine() {
     let folder = Folder::new();
     fs::write(folder.path("out"), "a file").unwrap();
-    let (_, stderr) = ends_with(folder.profile(&["marble"]), 3);
+    let (_, stderr) = folder.run(&profile(&["marble"])).ends_with(3);
     assert!(stderr.contains("out: the directory cannot be made"), "{stderr}");
 }
 
 #[cfg(unix)]
 #[test]
 fn an_interrupt_ends_with_130() {
-    use std::io::{BufRead, BufReader};
-    use std::process::{Command, Stdio};
+    use std::time::Duration;
+
+    use program::run_interrupted;
 
     let folder = Folder::new();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_alabaster"))
-        .current_dir(folder.0.path())
-        .args(["-v", "profile", "marble", "-o", "out", "--photons", "20000000", "--threads", "1"])
-        .env_remove("RUST_LOG")
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
-    assert!(lines.any(|line| line.contains("walking photons")));
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    assert!(lines.any(|line| line.starts_with("interrupted")));
-    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let arguments = ["profile", "marble", "-o", "out", "--photons", "20000000", "--threads", "1"];
+    let run = run_interrupted(&folder.path(""), &arguments, "walking photons", Duration::ZERO);
+    assert_eq!(run.code, 130);
+    assert!(run.stderr.lines().any(|line| line.starts_with("interrupted")), "{run:?}");
 }

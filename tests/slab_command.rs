@@ -6,25 +6,16 @@ mod mcml;
 mod program;
 
 use std::fs;
-use std::path::Path;
 
 use alabaster::slab::Source;
 use mcml::{GOOD, good, mco, simulate, with_line};
-use program::run;
+use program::{names, run};
 use serde_json::Value;
 
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("in.mci"), GOOD).unwrap();
     folder
-}
-
-fn names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).unwrap();
-    let mut names: Vec<String> =
-        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-    names.sort();
-    names
 }
 
 #[test]
@@ -151,26 +142,18 @@ fn wrong_commands_and_files_are_refused() {
 #[cfg(unix)]
 #[test]
 fn an_interrupt_saves_what_is_done() {
-    use std::io::{BufRead, BufReader};
-    use std::process::{Command, Stdio};
     use std::time::Duration;
 
+    use program::run_interrupted;
+
     let folder = folder();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_alabaster"))
-        .current_dir(folder.path())
-        .args(["-v", "slab", "in.mci", "--photons", "100000000000", "-o", "o.json"])
-        .env_remove("RUST_LOG")
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
-    assert!(lines.any(|line| line.contains("run 1 of 2: 100000000000 photons")));
-    // Signals are handled by now; a moment later there is something to save.
-    std::thread::sleep(Duration::from_millis(500));
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
-    assert!(lines.any(|line| line.starts_with("interrupted; what was done is saved: 1 of 2 runs")));
+    // Signals are handled when it says so; a moment later there is something to save.
+    let (ready, pause) = ("run 1 of 2: 100000000000 photons", Duration::from_millis(500));
+    let arguments = ["slab", "in.mci", "--photons", "100000000000", "-o", "o.json"];
+    let run = run_interrupted(folder.path(), &arguments, ready, pause);
+    assert_eq!(run.code, 130);
+    let said = "interrupted; what was done is saved: 1 of 2 runs";
+    assert!(run.stderr.lines().any(|line| line.starts_with(said)), "{run:?}");
     let report: Value =
         serde_json::from_str(&fs::read_to_string(folder.path().join("o.json")).unwrap()).unwrap();
     let run = &report["runs"][0];

@@ -117,15 +117,24 @@ fn reflected(found: &Scattered) -> Estimate {
     }
 }
 
-/// Every row of both tables that two hundred million flights are enough for, and that is nearly all; the others are
-/// counted.
+/// The half of both tables that takes two hundred million flights at most for each source.
 #[test]
-#[ignore = "an hour and more on two cores"]
-fn every_planar_reflectance_and_transmittance() {
+#[ignore = "an hour on two cores"]
+fn half_of_planar_reflectance_and_transmittance() {
     let mut family = Family::new(ABSOLUTE);
     let left_out = compare_planar(&mut family, 1.0, 2e8);
-    println!("{left_out} comparisons take too long");
-    assert!(family.len() >= 800, "{}", family.len());
+    println!("{left_out} comparisons take longer");
+    assert!(family.len() >= 450, "{}", family.len());
+    family.check();
+}
+
+/// Every row of both tables: 1.4·10¹² flights.
+#[test]
+#[ignore = "a day on two cores"]
+fn every_planar_reflectance_and_transmittance() {
+    let mut family = Family::new(ABSOLUTE);
+    assert_eq!(compare_planar(&mut family, 1.0, f64::INFINITY), 0);
+    assert_eq!(family.len(), 97 * 4 + 134 * 6);
     family.check();
 }
 
@@ -229,7 +238,7 @@ fn rings_about_a_pencil_beam() {
             .collect();
         let edges: Vec<f64> = rings.iter().map(|ring| ring[1]).collect();
         let walk = Walk::new(&slab(f64::INFINITY, omega, 0.0, eta), source, Roulette::default());
-        let observer = || Rings::new(&edges);
+        let observer = |_| Rings::new(&edges);
         let found = estimate(&walk, PHOTONS, seed as u64, observer, |_| {}, &AtomicBool::new(false));
         let (all, single) = found.estimates.split_at(edges.len());
         for (i, ring) in rings.iter().enumerate() {
@@ -270,7 +279,7 @@ fn collisions_follow_their_law() {
         let analog = Roulette { weight: 1.0, collisions: u64::MAX, kept: 1.0 };
         let walk = Walk::new(&stack, NORMAL, analog);
         let stop = AtomicBool::new(false);
-        let found = estimate(&walk, photons, i as u64, Collisions::default, |_| {}, &stop).estimates[0];
+        let found = estimate(&walk, photons, i as u64, |_| Collisions::default(), |_| {}, &stop).estimates[0];
         // The table has six digits.
         let rounding = 0.5e-5 * exact;
         let weighted = simulate(&stack, NORMAL, ONE_BIN, photons, 100 + i as u64).collisions_per_photon;

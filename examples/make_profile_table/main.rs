@@ -4,7 +4,7 @@
 //! cargo run --release --example make_profile_table
 //! ```
 //!
-//! It takes about an hour of processor time. Each of its 90 walks is kept in `target/profile_table`, so it can be
+//! It takes about an hour and a half of processor time. Each of its 108 walks is kept in `target/profile_table`, so it can be
 //! interrupted. The same bytes come out on any number of threads.
 
 mod fit;

@@ -10,6 +10,9 @@ use alabaster::medium::Entry;
 use alabaster::slab::white::{RINGS, WhiteTally, white_walk};
 use alabaster::slab::{Estimate, estimate};
 
+/// Packets of each walk.
+const PHOTONS: u64 = 5_000_000;
+
 /// A node of the table: one walk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node {
@@ -40,8 +43,8 @@ fn simulate(node: Node) -> String {
     let start = Instant::now();
     let walk = white_walk(node.eta, node.g, node.entry.into()).expect("the nodes are valid half-spaces");
     let shares: Vec<f64> = (0..ROWS).map(|row| absorbed_share_of_row(row, node.g)).collect();
-    let tally = || WhiteTally::new(node.eta, &shares);
-    let outcome = estimate(&walk, photons(node), 1, tally, |_| {}, &AtomicBool::new(false));
+    let tally = |batch| WhiteTally::new(node.eta, node.g, &shares, batch);
+    let outcome = estimate(&walk, PHOTONS, 1, tally, |_| {}, &AtomicBool::new(false));
     let entered = outcome.estimates[shares.len() * RINGS].value;
     let rows = outcome.estimates[..shares.len() * RINGS].chunks(RINGS);
     let noise = |row: &[Estimate]| {
@@ -55,13 +58,4 @@ fn simulate(node: Node) -> String {
         values.join(",") + "\n"
     })
     .collect()
-}
-
-/// Packets walked for a node: more where fewer of them come back soon, and for the entry that renders use.
-fn photons(node: Node) -> u64 {
-    let base = match node.entry {
-        Entry::Normal => 5e6,
-        Entry::Diffuse => 1e7,
-    };
-    (base * (1.0 - node.g).powf(-0.3)) as u64
 }

@@ -37,6 +37,14 @@ pub fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A finite number, 0 or above.
+pub fn not_negative(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() && number >= 0.0 => Ok(number),
+        _ => Err("a number, 0 or above, is wanted".into()),
+    }
+}
+
 /// A cosine of an angle below 90°.
 pub fn cosine(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {

@@ -2,6 +2,8 @@
 
 mod bar;
 mod choice;
+mod compare;
+mod compare_report;
 mod console;
 mod error;
 mod materials;
@@ -47,6 +49,8 @@ enum Command {
     Render(render::RenderArgs),
     /// Makes a .png picture for people of an .exr
     Tonemap(tonemap::TonemapArgs),
+    /// Compares a picture with a reference (both .exr): errors, bias with its noise, what an eye would see
+    Compare(compare::CompareArgs),
     /// Walks photons through layers as an MCML input file (.mci) says: reflectance, transmittance, absorption
     Slab(slab::SlabArgs),
     /// Studies diffusion profiles: every model of R(r) beside photon Monte Carlo, as tables and pictures
@@ -79,6 +83,7 @@ fn run(command: Command) -> Result<(), CliError> {
     match command {
         Command::Render(args) => render::run(&args),
         Command::Tonemap(args) => tonemap::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Slab(args) => slab::run(&args),
         Command::Profile(args) => profile::run(&args),
         Command::Materials(args) => materials::run(&args),

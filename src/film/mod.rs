@@ -30,7 +30,7 @@ const TILE_PIXELS: usize = (TILE * TILE) as usize;
 
 /// Offset in the denominator of relative errors, (W/(m² sr))²: pixels much darker than 0.1 count by
 /// their absolute error, so that black ones do not decide.
-const RELATIVE_ERROR_OFFSET: f64 = 0.01;
+pub const RELATIVE_ERROR_OFFSET: f64 = 0.01;
 
 /// Why a film cannot be made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]

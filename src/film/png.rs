@@ -11,12 +11,17 @@ use super::view::View;
 /// Writes `picture` as seen through `view` after `exposure` EV.
 pub fn write(to: &mut impl Write, picture: &Picture, view: View, exposure: f32) -> io::Result<()> {
     let bytes: Vec<u8> = picture.pixels.iter().flat_map(|&pixel| view.encode(pixel, exposure)).collect();
-    PngEncoder::new(to).write_image(&bytes, picture.width, picture.height, ExtendedColorType::Rgb8).map_err(
-        |error| match error {
+    write_srgb(to, [picture.width, picture.height], &bytes)
+}
+
+/// Writes 8-bit sRGB pixels, row by row from the top, of a picture of `size` (width, height).
+pub fn write_srgb(to: &mut impl Write, size: [u32; 2], bytes: &[u8]) -> io::Result<()> {
+    PngEncoder::new(to).write_image(bytes, size[0], size[1], ExtendedColorType::Rgb8).map_err(|error| {
+        match error {
             ImageError::IoError(error) => error,
             other => io::Error::other(other),
-        },
-    )
+        }
+    })
 }
 
 #[cfg(test)]

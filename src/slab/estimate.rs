@@ -49,7 +49,7 @@ pub struct Outcome {
     pub photons: u64,
 }
 
-/// Walks `photons` packets in [`BATCHES`] batches on all threads; `observer` makes an empty observer.
+/// Walks `photons` packets in [`BATCHES`] batches on all threads; `observer` makes an empty observer for a batch, given its number.
 ///
 /// Batch k uses stream k of `seed`, and batches are summed in order: the result depends on nothing else.
 /// `advance` is told now and then how many packets more are done. When `stop` becomes true, those that have
@@ -58,13 +58,13 @@ pub fn estimate<S: Scores>(
     walk: &Walk,
     photons: u64,
     seed: u64,
-    observer: impl Fn() -> S + Sync,
+    observer: impl Fn(u64) -> S + Sync,
     advance: impl Fn(u64) + Sync,
     stop: &AtomicBool,
 ) -> Outcome {
     let batch = |k: u64| {
         let count = photons / BATCHES + u64::from(k < photons % BATCHES);
-        let mut scores = observer();
+        let mut scores = observer(k);
         let mut random = random_stream(seed, k);
         let mut done = 0;
         while done < count && !stop.load(Ordering::Relaxed) {

@@ -41,7 +41,7 @@ impl Simulation {
     pub fn run(&self, advance: impl Fn(u64) + Sync, stop: &AtomicBool) -> (Scattered, u64) {
         let walk = Walk::new(&self.stack, self.source, Roulette::default());
         let pieces = Pieces::new(&self.stack, self.grid);
-        let outcome = estimate(&walk, self.photons, self.seed, || Tally::new(&pieces), advance, stop);
+        let outcome = estimate(&walk, self.photons, self.seed, |_| Tally::new(&pieces), advance, stop);
         (Scattered::new(&pieces, &outcome.estimates), outcome.photons)
     }
 }

@@ -145,13 +145,13 @@ pub fn random_stream(seed: u64, stream: u64) -> Xoshiro256PlusPlus {
 
 /// Uniform in [0, 1), on a grid of 2⁻⁵³.
 #[inline]
-fn uniform(random: &mut Xoshiro256PlusPlus) -> f64 {
+pub(super) fn uniform(random: &mut Xoshiro256PlusPlus) -> f64 {
     (random.next_u64() >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
 }
 
 /// A point in the unit disk without its centre, and its squared distance from it.
 #[inline]
-fn in_unit_disk(random: &mut Xoshiro256PlusPlus) -> (f64, f64, f64) {
+pub(super) fn in_unit_disk(random: &mut Xoshiro256PlusPlus) -> (f64, f64, f64) {
     loop {
         let (a, b) = (2.0 * uniform(random) - 1.0, 2.0 * uniform(random) - 1.0);
         let s = a * a + b * b;
@@ -334,29 +334,37 @@ impl<O: Observer> Walker<'_, O> {
         true
     }
 
-    /// Turns the direction by a deflection drawn from the phase function.
     #[inline]
     fn scatter(&mut self, phase: HenyeyGreenstein) {
-        let (a, b, s) = in_unit_disk(self.random);
-        if phase.g == 0.0 {
-            // Marsaglia 1972: from the disk onto the sphere, without a trigonometric function.
-            let scale = 2.0 * (1.0 - s).sqrt();
-            self.photon.direction = [a * scale, b * scale, 1.0 - 2.0 * s];
-            return;
-        }
-        let deflection = phase.sample(uniform(self.random));
-        // Azimuth from the disk: (a, b)/√s is uniform on the circle.
-        let across = deflection.sin / s.sqrt();
-        let [x, y, z] = self.photon.direction;
-        // Orthonormal basis about the direction (Duff et al. 2017).
-        let sign = 1.0_f64.copysign(z);
-        let c = -1.0 / (sign + z);
-        let d = x * y * c;
-        let (p, q) = (a * across, b * across);
-        self.photon.direction = [
-            p * (1.0 + sign * x * x * c) + q * d + x * deflection.cos,
-            p * sign * d + q * (sign + y * y * c) + y * deflection.cos,
-            -p * sign * x - q * y + z * deflection.cos,
-        ];
+        self.photon.direction = scattered(self.photon.direction, phase, self.random);
     }
+}
+
+/// `direction`, turned by a deflection drawn from the phase function.
+#[inline]
+pub(super) fn scattered(
+    direction: [f64; 3],
+    phase: HenyeyGreenstein,
+    random: &mut Xoshiro256PlusPlus,
+) -> [f64; 3] {
+    let (a, b, s) = in_unit_disk(random);
+    if phase.g == 0.0 {
+        // Marsaglia 1972: from the disk onto the sphere, without a trigonometric function.
+        let scale = 2.0 * (1.0 - s).sqrt();
+        return [a * scale, b * scale, 1.0 - 2.0 * s];
+    }
+    let deflection = phase.sample(uniform(random));
+    // Azimuth from the disk: (a, b)/√s is uniform on the circle.
+    let across = deflection.sin / s.sqrt();
+    let [x, y, z] = direction;
+    // Orthonormal basis about the direction (Duff et al. 2017).
+    let sign = 1.0_f64.copysign(z);
+    let c = -1.0 / (sign + z);
+    let d = x * y * c;
+    let (p, q) = (a * across, b * across);
+    [
+        p * (1.0 + sign * x * x * c) + q * d + x * deflection.cos,
+        p * sign * d + q * (sign + y * y * c) + y * deflection.cos,
+        -p * sign * x - q * y + z * deflection.cos,
+    ]
 }

@@ -6,11 +6,22 @@
 //!
 //! Moreover every flight towards the surface is scored by the chance that it ends outside, e^(−τ)(1 − F),
 //! whether it does or not: the point where it would is known, and several flights of each packet count.
+//!
+//! Where the medium scatters forwards, few flights turn back after few collisions, and these are nearly all the light
+//! of a dark medium. So at the first collisions two directions are looked into besides that in which the packet goes
+//! on: one of the phase function and one uniform in the cone of escape, combined by the balance heuristic (Veach 1997).
+
+use std::f64::consts::TAU;
+
+use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::estimate::Scores;
 use super::layers::{LayerError, LayerStack};
-use super::walk::{Face, Observer, Photon, Roulette, Source, Walk};
+use super::walk::{
+    Face, Observer, Photon, Roulette, Source, Walk, in_unit_disk, random_stream, scattered, uniform,
+};
 use crate::optics::fresnel::Interface;
+use crate::optics::phase::HenyeyGreenstein;
 
 /// Rings per decade of radius.
 pub const RINGS_PER_DECADE: usize = 24;
@@ -31,6 +42,12 @@ const CLASSES: usize = EXACT_CLASSES + 500;
 
 /// Flights that start deeper than this are scored by what becomes of them.
 const LARGEST_DEPTH: f64 = 12.0;
+
+/// Collisions at which two directions are looked into, times √(1 − g).
+const LOOKS: f64 = 8.0;
+
+/// Seed of the directions that are looked into: not that of the walk, which they do not change.
+const LOOK_SEED: u64 = 0x51ab;
 
 /// The half-space of index `eta` and mean cosine `g` whose extinction coefficient is 1, without absorption.
 ///
@@ -55,6 +72,12 @@ pub struct WhiteTally<'a> {
     /// Absorbed shares 1 − ω for which [`Scores::sums`] gives rings.
     absorbed_shares: &'a [f64],
     eta: f64,
+    phase: HenyeyGreenstein,
+    /// Cosine of the largest angle with the normal at which light comes out.
+    escape_cosine: f64,
+    /// Collisions at which directions are looked into.
+    looks: u64,
+    random: Xoshiro256PlusPlus,
     /// Weight that entered.
     entered: f64,
     /// [ring][class].
@@ -66,15 +89,54 @@ pub struct WhiteTally<'a> {
 }
 
 impl<'a> WhiteTally<'a> {
-    /// An empty tally for the walk of relative index `eta`.
-    pub fn new(eta: f64, absorbed_shares: &'a [f64]) -> Self {
+    /// An empty tally of batch number `batch` for the walk of relative index `eta` and mean cosine `g`.
+    pub fn new(eta: f64, g: f64, absorbed_shares: &'a [f64], batch: u64) -> Self {
         Self {
             absorbed_shares,
             eta,
+            phase: HenyeyGreenstein { g },
+            escape_cosine: (1.0 - 1.0 / (eta * eta)).max(0.0).sqrt(),
+            looks: (LOOKS / (1.0 - g).sqrt()).round() as u64,
+            random: random_stream(LOOK_SEED, batch),
             entered: 0.0,
             left: vec![0.0; RINGS * CLASSES],
             class_moments: vec![[0.0; 2]; CLASSES],
             scored: false,
+        }
+    }
+
+    /// Scores the light that would leave from `photon`'s position in `direction`, `collisions` behind it, if it weighed `weight`.
+    #[inline]
+    fn score_flight(&mut self, photon: &Photon, direction: [f64; 3], collisions: u64, weight: f64) {
+        let [x, y, z] = photon.position;
+        let [dx, dy, down] = direction;
+        // z/|down| is the optical depth of the way out, as σ_t = 1.
+        let way = -z / down;
+        let interface = Interface::new(-down, 1.0 / self.eta);
+        let (ex, ey) = (x + dx * way, y + dy * way);
+        self.score(weight * (-way).exp() * interface.transmittance, ex * ex + ey * ey, collisions);
+    }
+
+    /// A direction uniform in the cone of escape.
+    fn escaping(&mut self) -> [f64; 3] {
+        let up = 1.0 - (1.0 - self.escape_cosine) * uniform(&mut self.random);
+        let (a, b, s) = in_unit_disk(&mut self.random);
+        let across = ((1.0 - up) * (1.0 + up) / s).sqrt();
+        [a * across, b * across, -up]
+    }
+
+    /// Scores the scattered light of a collision that comes out without another.
+    #[inline]
+    fn look(&mut self, photon: &Photon) {
+        let uniform_density = 1.0 / (TAU * (1.0 - self.escape_cosine));
+        let directions = [scattered(photon.direction, self.phase, &mut self.random), self.escaping()];
+        for direction in directions {
+            if -direction[2] > self.escape_cosine {
+                let cosine = photon.direction.iter().zip(direction).map(|(a, b)| a * b).sum();
+                let density = self.phase.density(cosine);
+                let weight = photon.weight * density / (density + uniform_density);
+                self.score_flight(photon, direction, photon.collisions + 1, weight);
+            }
         }
     }
 
@@ -115,23 +177,23 @@ impl Observer for WhiteTally<'_> {
     fn fly(&mut self, photon: &Photon) {
         if photon.collisions == 0 {
             self.entered += photon.weight;
+            self.scored = false;
         }
-        let [x, y, z] = photon.position;
-        let [dx, dy, down] = photon.direction;
-        self.scored = false;
-        // z/|down| is the optical depth of the way out, as σ_t = 1.
-        if down < 0.0 && z < -down * LARGEST_DEPTH {
-            let way = -z / down;
-            let interface = Interface::new(-down, 1.0 / self.eta);
-            let (ex, ey) = (x + dx * way, y + dy * way);
-            let weight = photon.weight * (-way).exp() * interface.transmittance;
-            self.score(weight, ex * ex + ey * ey, photon.collisions);
+        let ([.., z], [.., down]) = (photon.position, photon.direction);
+        if !self.scored && down < 0.0 && z < -down * LARGEST_DEPTH {
+            self.score_flight(photon, photon.direction, photon.collisions, photon.weight);
             self.scored = true;
         }
     }
 
     #[inline]
-    fn collide(&mut self, _photon: &Photon) {}
+    fn collide(&mut self, photon: &Photon) {
+        // The flight that follows has been scored if all its directions have.
+        self.scored = photon.collisions < self.looks && photon.position[2] < LARGEST_DEPTH;
+        if self.scored {
+            self.look(photon);
+        }
+    }
 
     fn leave(&mut self, photon: &Photon, _face: Face) {
         if !self.scored {

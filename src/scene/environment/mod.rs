@@ -1,7 +1,5 @@
 //! Environment maps: reading them, and looking radiance up by direction.
 
-mod exr_map;
-
 use std::f32::consts::{PI, TAU};
 use std::fs::File;
 use std::io::BufReader;
@@ -11,8 +9,8 @@ use glam::{Mat3, Vec2, Vec3};
 use image::ImageDecoder;
 use image::codecs::hdr::HdrDecoder;
 
-use self::exr_map::read_exr;
 use super::{Environment, SceneError};
+use crate::open_exr::{ExrError, ExrFile};
 use crate::radiometry::{Rgb, Spectrum};
 
 /// Largest map that is read: 16,384 × 8,192 pixels take 1.6 GB.
@@ -78,6 +76,18 @@ fn read_hdr(path: &Path) -> Result<ImagePixels, SceneError> {
     let mut samples = vec![[0.0_f32; 3]; count];
     decoder.read_image(bytemuck::cast_slice_mut(&mut samples)).map_err(unreadable)?;
     Ok((width, height, samples.into_iter().map(Spectrum).collect()))
+}
+
+fn read_exr(path: &Path) -> Result<ImagePixels, SceneError> {
+    let unreadable = |e: ExrError| SceneError::file(path, e.to_string());
+    let file = ExrFile::open(path).map_err(unreadable)?;
+    for header in file.headers() {
+        pixel_count(path, header.layer_size.width(), header.layer_size.height())?;
+    }
+    let (layer, names) = file.color().map_err(unreadable)?;
+    let size = file.headers()[layer].layer_size;
+    let samples = file.read_pixels(layer, names).map_err(unreadable)?;
+    Ok((size.width(), size.height(), samples.into_iter().map(Spectrum).collect()))
 }
 
 impl Environment {

@@ -84,7 +84,7 @@ pub fn white_rings(
     watch: Watch,
 ) -> Result<Vec<Rings>, LayerError> {
     let walk = white_walk(eta, g, entry.into())?;
-    let empty = || WhiteRings(WhiteTally::new(eta, absorbed_shares));
+    let empty = |batch| WhiteRings(WhiteTally::new(eta, g, absorbed_shares, batch));
     Ok(rings_per_entered(&estimate(&walk, effort.photons, effort.seed, empty, watch.advance, watch.stop)))
 }
 
@@ -171,7 +171,8 @@ pub fn slab(
     };
     let stack = LayerStack::new(1.0, vec![layer], 1.0)?;
     let walk = Walk::new(&stack, entry.into(), Roulette::default());
-    let outcome = estimate(&walk, effort.photons, effort.seed, SlabRings::new, watch.advance, watch.stop);
+    let outcome =
+        estimate(&walk, effort.photons, effort.seed, |_| SlabRings::new(), watch.advance, watch.stop);
     let rings = rings_per_entered(&outcome);
     Ok(<[Rings; 2]>::try_from(rings).ok())
 }
