@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use alabaster::raycast::embree::EmbreeCaster;
-use alabaster::raycast::{Hit, Ray, RayCaster};
+use alabaster::raycast::{DistanceQuery, Hit, Ray, RayCaster};
 use alabaster::scene::{Scene, read_scene};
 use alabaster::transport::{Counters, Renderer};
 use common::cpu_time::thread_seconds;
@@ -73,6 +73,10 @@ impl RayCaster for Recorder {
     fn all_hits(&self, ray: &Ray, instance: u32, hits: &mut Vec<Hit>) {
         self.record(Kind::AllHits(instance), ray);
         self.caster.all_hits(ray, instance, hits);
+    }
+
+    fn distance_to_nearest(&self, query: &DistanceQuery, instance: u32) -> f32 {
+        self.caster.distance_to_nearest(query, instance)
     }
 }
 

@@ -10,9 +10,11 @@
 //!
 //! Triangles with coordinates that are not finite or beyond 10¹³ are invisible to this backend.
 
+mod nearest;
+
 use std::time::{Duration, Instant};
 
-use glam::{Affine3A, DAffine3, Vec3, Vec3A};
+use glam::{Affine3A, Vec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
@@ -21,8 +23,9 @@ use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use obvhs::ploc::PlocBuilder;
 use obvhs::ray::{Ray as NodeRay, RayHit};
 
+use super::nearest::{Nearest, ObjectSpace};
 use super::watertight::WatertightRay;
-use super::{Geometry, Hit, Ray, RayCaster, RaycastError};
+use super::{DistanceQuery, Geometry, Hit, Ray, RayCaster, RaycastError};
 
 /// How much faster the parameter of the rays that nodes are tested with runs.
 const NODE_SPEED: f32 = (1_u64 << 40) as f32;
@@ -49,7 +52,7 @@ struct Placement {
     /// Index into `BvhCaster::meshes`.
     mesh: usize,
     /// `None` if the mesh lies in world space.
-    to_object: Option<DAffine3>,
+    space: Option<ObjectSpace>,
 }
 
 /// The triangles of a mesh in the order of the leaves.
@@ -92,9 +95,9 @@ impl BvhCaster {
             let bounds = meshes[mesh].bounds();
             placement_of.push(bounds.map(|_| placements.len()));
             let Some(bounds) = bounds else { continue };
-            let to_object = (!baked).then(|| instance.transform.as_daffine3().inverse());
+            let space = (!baked).then(|| ObjectSpace::new(&instance.transform));
             boxes.push(if baked { bounds } else { transformed(&bounds, &instance.transform) });
-            placements.push(Placement { instance: id, mesh, to_object });
+            placements.push(Placement { instance: id, mesh, space });
         }
         let top = build(&boxes)?;
         Ok(Self { top, placements, placement_of, meshes, build_time: start.elapsed() })
@@ -149,11 +152,21 @@ impl RayCaster for BvhCaster {
             self.meshes[placement.mesh].all_hits(&placement.to_object(ray), instance, hits);
         }
     }
+
+    fn distance_to_nearest(&self, query: &DistanceQuery, instance: u32) -> f32 {
+        let placement = self.placement_of.get(instance as usize).copied().flatten();
+        let placement = placement.map(|index| &self.placements[index]);
+        let mut search = Nearest::new(query, placement.and_then(|placement| placement.space.as_ref()));
+        if let Some(placement) = placement {
+            self.meshes[placement.mesh].nearest(&mut search);
+        }
+        search.lower_bound()
+    }
 }
 
 impl Placement {
     fn to_object(&self, ray: &Ray) -> Ray {
-        self.to_object.as_ref().map_or(*ray, |to_object| ray.transformed(to_object))
+        self.space.as_ref().map_or(*ray, |space| ray.transformed(&space.to_object))
     }
 }
 

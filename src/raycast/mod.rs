@@ -1,4 +1,4 @@
-//! Ray queries: closest hit, occlusion, and every hit on a segment.
+//! Ray queries: closest hit, occlusion, and every hit on a segment; and the distance of a point from a body.
 //!
 //! Backends stand behind [`RayCaster`]. Geometry is triangles only ([`Geometry`]); shapes are
 //! triangulated when the scene is read, so every backend sees the same triangles.
@@ -6,6 +6,7 @@
 pub mod bvh;
 #[cfg(feature = "embree")]
 pub mod embree;
+mod nearest;
 mod watertight;
 
 use glam::{Affine3A, DAffine3, Vec3};
@@ -67,6 +68,27 @@ pub struct Hit {
     pub primitive: u32,
 }
 
+/// What [`RayCaster::distance_to_nearest`] is asked. How exact the answer is to be decides about the work: seen from the
+/// middle of a body, much of its surface is about equally far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DistanceQuery {
+    /// The point, in the world.
+    pub point: Vec3,
+    /// Triangles farther than this do not matter; may be infinite.
+    pub limit: f32,
+    /// If a triangle is nearer than this, it does not matter how near.
+    pub least: f32,
+    /// By which share of itself the answer may be too small, in [0, 1].
+    pub tolerance: f32,
+}
+
+impl DistanceQuery {
+    /// The distance from `point`, to rounding.
+    pub fn exact(point: Vec3) -> Self {
+        Self { point, limit: f32::INFINITY, least: 0.0, tolerance: 0.0 }
+    }
+}
+
 /// Triangles in their own space.
 #[derive(Clone, Copy, Debug)]
 pub struct TriangleMesh<'a> {
@@ -83,7 +105,7 @@ pub struct MeshInstance {
     pub mesh: usize,
     /// Object to world; any invertible affine map, mirrored ones included.
     pub transform: Affine3A,
-    /// True if [`RayCaster::all_hits`] will be asked about this instance.
+    /// True if [`RayCaster::all_hits`] or [`RayCaster::distance_to_nearest`] will be asked about this instance.
     pub probed: bool,
 }
 
@@ -218,4 +240,11 @@ pub trait RayCaster: Send + Sync {
     /// have been marked [`MeshInstance::probed`]. A crossing through an edge shared by two
     /// triangles may be reported once for each of them.
     fn all_hits(&self, ray: &Ray, instance: u32, hits: &mut Vec<Hit>);
+    /// A lower bound of the distance from a point to the triangles of one instance, in world units: the limit if none is
+    /// nearer than that, 0 if one is nearer than [`DistanceQuery::least`]. Otherwise it is below the exact distance by no more
+    /// than the share [`DistanceQuery::tolerance`] of it, 4 roundings, and half a rounding (2⁻²⁴) of the distance to the
+    /// farthest corner of the triangle found. It is never above the exact distance to the triangles as the backend holds
+    /// them: a sphere of this radius around the point does not touch them. 0 if a coordinate of the point is not finite. The instance
+    /// must have been marked [`MeshInstance::probed`].
+    fn distance_to_nearest(&self, query: &DistanceQuery, instance: u32) -> f32;
 }

@@ -16,6 +16,7 @@
 #![allow(unsafe_code)]
 
 mod device;
+mod nearest;
 mod probe;
 mod scene;
 
@@ -25,17 +26,17 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use embree4_sys as rtc;
-use glam::DAffine3;
 
 use self::device::Device;
 use self::scene::{Scene, Shape};
-use super::{Geometry, Hit, Ray, RayCaster, RaycastError};
+use super::nearest::{Nearest, ObjectSpace};
+use super::{DistanceQuery, Geometry, Hit, Ray, RayCaster, RaycastError};
 
 /// The Embree backend.
 pub struct EmbreeCaster {
     /// Everything, in world space. Identifiers of geometries are indices into `Geometry::instances`.
     world: Scene,
-    /// For each instance what [`RayCaster::all_hits`] searches; `None` if not probed, or empty.
+    /// For each instance what queries about one body search; `None` if not probed, or empty.
     bodies: Vec<Option<Body>>,
     build_time: Duration,
     /// After the scenes, because fields are dropped in order.
@@ -45,8 +46,8 @@ pub struct EmbreeCaster {
 /// The triangles of one probed instance.
 struct Body {
     scene: Arc<Scene>,
-    /// From world to the space of `scene`; `None` if that is the world.
-    to_object: Option<DAffine3>,
+    /// The space of `scene`; `None` if that is the world.
+    space: Option<ObjectSpace>,
 }
 
 impl EmbreeCaster {
@@ -67,13 +68,13 @@ impl EmbreeCaster {
             let mut body = None;
             if let Some(scene) = &shared[instance.mesh] {
                 world.attach(&Shape::instance(&device, scene, &instance.transform)?, id);
-                let to_object = Some(instance.transform.as_daffine3().inverse());
-                body = instance.probed.then(|| Body { scene: scene.clone(), to_object });
+                let space = || Some(ObjectSpace::new(&instance.transform));
+                body = instance.probed.then(|| Body { scene: scene.clone(), space: space() });
             } else if !mesh.triangles.is_empty() {
                 let shape = Shape::triangles(&device, mesh, &instance.transform)?;
                 world.attach(&shape, id);
                 if instance.probed {
-                    body = Some(Body { scene: Arc::new(single(&device, &shape, true)?), to_object: None });
+                    body = Some(Body { scene: Arc::new(single(&device, &shape, true)?), space: None });
                 }
             }
             bodies.push(body);
@@ -146,12 +147,21 @@ impl RayCaster for EmbreeCaster {
 
     fn all_hits(&self, ray: &Ray, instance: u32, hits: &mut Vec<Hit>) {
         match self.bodies.get(instance as usize) {
-            Some(Some(Body { scene, to_object: None })) => probe::all_hits(scene, ray, instance, hits),
-            Some(Some(Body { scene, to_object: Some(to_object) })) => {
-                probe::all_hits(scene, &ray.transformed(to_object), instance, hits);
+            Some(Some(Body { scene, space: None })) => probe::all_hits(scene, ray, instance, hits),
+            Some(Some(Body { scene, space: Some(space) })) => {
+                probe::all_hits(scene, &ray.transformed(&space.to_object), instance, hits);
             }
             _ => hits.clear(),
         }
+    }
+
+    fn distance_to_nearest(&self, query: &DistanceQuery, instance: u32) -> f32 {
+        let body = self.bodies.get(instance as usize).and_then(Option::as_ref);
+        let mut search = Nearest::new(query, body.and_then(|body| body.space.as_ref()));
+        if let Some(body) = body {
+            nearest::nearest(&body.scene, &mut search);
+        }
+        search.lower_bound()
     }
 }
 
