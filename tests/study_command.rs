@@ -231,7 +231,8 @@ fn other_settings_are_refused_where_a_study_is() {
 #[test]
 fn an_interrupted_study_goes_on() {
     let folder = folder();
-    let arguments = study(&["--time", "16", "--seeds", "4", "--methods", "diffuse,normalized-diffusion,walk"]);
+    let arguments =
+        study(&["--time", "16", "--seeds", "4", "--methods", "diffuse,normalized-diffusion,walk"]);
     let mut child = Command::new(env!("CARGO_BIN_EXE_alabaster"))
         .current_dir(folder.path(""))
         .args(&arguments)

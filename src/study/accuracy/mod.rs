@@ -15,6 +15,7 @@ pub mod evaluate;
 pub mod jackknife;
 pub mod maps;
 pub mod model;
+pub mod parts;
 pub mod plan;
 pub mod regions;
 pub mod rendering;

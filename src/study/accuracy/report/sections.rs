@@ -1,8 +1,8 @@
 //! The sections of the report.
 
-use super::super::evaluate::SAMPLING_SECONDS;
 use super::super::jackknife::SIGMAS;
 use super::super::maps;
+use super::super::parts::SAMPLING_SECONDS;
 use super::super::results::{CandidateResult, ErrorPart, PartKind, Results};
 use super::super::tables::{COLUMNS, bias, cells, time_of_effect, with_error};
 use super::{ReportError, escaped, figures, pictures};
