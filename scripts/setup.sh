@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Installs what alabaster needs to build on Debian and Ubuntu: Embree 4 (ray queries), libclang
-# (bindgen reads Embree's header) and a C toolchain. Safe to run again: it does nothing when all is there.
+# (bindgen reads Embree's header) and a C toolchain. With --tests also Chromium, in which one test opens a report.
+# Safe to run again: it does nothing when all is there.
 set -euo pipefail
 
 say() { printf 'setup: %s\n' "$*" >&2; }
@@ -25,10 +26,18 @@ have_libclang() {
         compgen -G '/usr/lib/llvm-*/lib/clang/*/include/stddef.h' >/dev/null
 }
 
+for_tests=false
+case "${1:-}" in
+    "") ;;
+    --tests) for_tests=true ;;
+    *) die "unknown option '$1'; there is --tests" ;;
+esac
+
 missing=()
 have_libclang || missing+=(libclang-dev)
 command -v cc >/dev/null || missing+=(build-essential)
 have_embree || missing+=(libembree-dev)
+if $for_tests && ! command -v chromium >/dev/null; then missing+=(chromium); fi
 
 command -v cargo >/dev/null || die "cargo is not installed: install Rust with rustup first."
 if [ ${#missing[@]} -eq 0 ]; then
