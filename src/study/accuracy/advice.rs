@@ -127,7 +127,7 @@ mod tests {
         // It overtakes at 0.03/√(1 − 0.005).
         assert_eq!(
             sentence(&[biased, walk]),
-            "for 1 % error on this object use the walk: about 7 min; above 3 % use bssrdf with the profile tabulated"
+            "for 1 % error on this object use the walk: about 6.7 min; above 3 % use bssrdf with the profile tabulated"
         );
         assert!(
             sentence(&[biased, choice(Candidate::WALK, 0.0, 1e-4)])

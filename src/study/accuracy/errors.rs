@@ -1,10 +1,11 @@
 //! Errors of pictures against a reference that is itself noisy, without bias by that noise.
 //!
-//! The reference r consists of two independent halves r₁ and r₂, of which it is the mean. For a picture a that is
-//! independent of both, E[(a − r₁)(a − r₂)] = E[(a − truth)²], as the noises of a half meet only those of others: this
-//! is (a − r)² less the noise of r, (r₁ − r₂)²/4. In the same way the mean ā of K runs with sample variance s² gives
-//! the bias alone, E[(ā − r₁)(ā − r₂) − s²/K] = (E a − truth)². All of it is divided by r² + 0.01 and averaged over
-//! pixels and channels, as relMSE is.
+//! The reference r is the mean of two independent halves, each of several parts, whose spread gives the variance v of
+//! the half. For a picture a that is independent of them, E[(a − r₁)² − v₁] = E[(a − truth)²]. In the same way the mean ā
+//! of K runs with sample variance s² gives the bias alone, E[(ā − r₁)² − v₁ − s²/K] = (E a − truth)². relMSE divides by r²
+//! + 0.01. Were that the same r, a half that is too dark by chance would also weigh more, and the mean would be off by the noise
+//! after all; so each half is weighted by the other one: ½ Σ_h ((a − r_h)² − v_h)/(r²_(other) + 0.01), averaged over
+//! pixels and channels.
 
 use crate::film::{Picture, RELATIVE_ERROR_OFFSET};
 
@@ -41,29 +42,41 @@ pub fn picture(width: u32, height: u32, values: &[f64]) -> Picture {
 /// Two independent halves of a reference.
 #[derive(Clone, Debug)]
 pub struct Reference {
-    /// Values by channel of each half.
-    pub halves: [Vec<f64>; 2],
-    /// Their mean.
+    /// What the parts of each half have in common.
+    halves: [Moments; 2],
+    /// 1/(r² + 0.01) by each half.
+    weights: [Vec<f64>; 2],
+    /// Mean of both.
     pub mean: Vec<f64>,
-    /// 1/(r² + 0.01).
+    /// Mean of both weights.
     pub weight: Vec<f64>,
 }
 
 impl Reference {
-    /// Of two halves of the same size.
-    pub fn new(halves: [Vec<f64>; 2]) -> Self {
-        let mean: Vec<f64> = halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (a + b)).collect();
-        let weight = mean.iter().map(|r| 1.0 / (r * r + RELATIVE_ERROR_OFFSET)).collect();
-        Self { halves, mean, weight }
+    /// Of parts by channel, which belong to the halves in turns: at least two each.
+    pub fn new(parts: &[Vec<f64>]) -> Self {
+        let halves = [0, 1].map(|half| Moments::of(parts.iter().skip(half).step_by(2)));
+        let weights = [0, 1].map(|half: usize| -> Vec<f64> {
+            halves[half].mean.iter().map(|r| 1.0 / (r * r + RELATIVE_ERROR_OFFSET)).collect()
+        });
+        let of_both = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect();
+        let mean = of_both(&halves[0].mean, &halves[1].mean);
+        let weight = of_both(&weights[0], &weights[1]);
+        Self { halves, weights, mean, weight }
     }
 
-    fn product(&self, i: usize, value: f64) -> f64 {
-        (value - self.halves[0][i]) * (value - self.halves[1][i]) * self.weight[i]
+    /// Weighted square of what `value` is off, less the noise of the reference.
+    fn square(&self, i: usize, value: f64) -> f64 {
+        let of_half = |half: usize| {
+            let Moments { mean, .. } = &self.halves[half];
+            ((value - mean[i]).powi(2) - self.halves[half].variance_of_mean(i)) * self.weights[1 - half][i]
+        };
+        0.5 * (of_half(0) + of_half(1))
     }
 
     /// Estimate of the variance of the mean of both halves.
     pub fn variance(&self, i: usize) -> f64 {
-        0.25 * (self.halves[0][i] - self.halves[1][i]).powi(2)
+        0.25 * (self.halves[0].variance_of_mean(i) + self.halves[1].variance_of_mean(i))
     }
 
     /// What noise of the reference would add to relMSE.
@@ -73,24 +86,28 @@ impl Reference {
 
     /// relMSE of a picture against the truth.
     pub fn relmse(&self, values: &[f64], region: &Region) -> f64 {
-        region.mean(|i| self.product(i, values[i]))
+        region.mean(|i| self.square(i, values[i]))
     }
 
     /// Squared relative bias of what `runs` are runs of.
     pub fn bias_squared(&self, runs: &Moments, region: &Region) -> f64 {
-        region.mean(|i| self.product(i, runs.mean[i]) - runs.variance_of_mean(i) * self.weight[i])
+        region.mean(|i| self.square(i, runs.mean[i]) - runs.variance_of_mean(i) * self.weight[i])
     }
 
     /// Standard error of [`Self::bias_squared`] by the noise of the reference, which all candidates share.
     ///
-    /// With bias b, noise variance w of ā and v of each half, (b + δ − δ₁)(b + δ − δ₂) varies with δ₁ and δ₂ by
-    /// b² 2v + 2wv + v². Of normal noise, ((r₁ − r₂)²/2)² overestimates v² threefold.
+    /// With bias b, noise variance n of ā and v of a half of P parts, (b + δ − δ_h)² − v_h varies with δ_h by
+    /// 4 (b² + n) v + 2 v² P/(P − 1) if noise is normal; the square of the estimate of v is v² (P + 1)/(P − 1) on average.
     pub fn error_of_bias_squared(&self, runs: &Moments, region: &Region) -> f64 {
         let variance = region.mean(|i| {
-            let half = 2.0 * self.variance(i);
             let noise = runs.variance_of_mean(i);
-            let bias = self.product(i, runs.mean[i]) / self.weight[i] - noise;
-            (2.0 * bias * half + 2.0 * noise * half + half * half / 3.0) * self.weight[i].powi(2)
+            let bias = self.square(i, runs.mean[i]) / self.weight[i] - noise;
+            let of_half = |half: usize| {
+                let (v, parts) = (self.halves[half].variance_of_mean(i), self.halves[half].runs as f64);
+                let squares = 2.0 * v * v * parts / (parts + 1.0);
+                (4.0 * (bias + noise) * v + squares) * self.weights[1 - half][i].powi(2)
+            };
+            0.25 * (of_half(0) + of_half(1))
         });
         (variance.max(0.0) / (3 * region.pixels.len().max(1)) as f64).sqrt()
     }
@@ -178,13 +195,15 @@ mod tests {
         runs: Vec<Vec<f64>>,
     }
 
+    /// A reference of eight parts.
     fn synthetic(bias: f64, noise: f64, noise_of_half: f64, seed: u64) -> Synthetic {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
         let mut values = |bias: f64, sigma: f64| -> Vec<f64> {
             let normal = Normal::new(1.0 + bias, sigma).unwrap();
             (0..3 * PIXELS).map(|i| truth(i) * normal.sample(&mut random)).collect()
         };
-        let reference = Reference::new([values(0.0, noise_of_half), values(0.0, noise_of_half)]);
+        let parts: Vec<Vec<f64>> = (0..8).map(|_| values(0.0, 2.0 * noise_of_half)).collect();
+        let reference = Reference::new(&parts);
         Synthetic { reference, runs: (0..16).map(|_| values(bias, noise)).collect() }
     }
 

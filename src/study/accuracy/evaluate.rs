@@ -16,6 +16,9 @@ use crate::slab::Estimate;
 /// Index of the region of all translucent bodies.
 pub const BODIES: usize = 1;
 
+/// Beyond so many σ the reference disagrees with what renders it.
+const DISAGREES: f64 = 4.0;
+
 /// A spread of the seconds of runs above this share is said.
 const UNSTEADY: f64 = 0.2;
 
@@ -63,7 +66,6 @@ pub fn reference(store: &Store) -> Option<(Reference, Effort)> {
     if parts.records.len() < 2 * PARTS_OF_HALF {
         return None;
     }
-    let half = |half: usize| Moments::of(parts.values.iter().skip(half).step_by(2)).mean;
     let mut effort = Effort::default();
     for record in &parts.records {
         let (spp, seconds) = record.end();
@@ -71,7 +73,7 @@ pub fn reference(store: &Store) -> Option<(Reference, Effort)> {
         effort.seconds += seconds;
         effort.collisions += record.collisions;
     }
-    Some((Reference::new([half(0), half(1)]), effort))
+    Some((Reference::new(&parts.values), effort))
 }
 
 /// What can be said of the runs that are there, with `oddities` of the scene among the warnings; `None` if the reference, or any candidate, is missing.
@@ -275,6 +277,13 @@ fn warnings(results: &Results) -> Vec<String> {
             warnings.push(format!(
                 "{name}: the tail of its noise has the index {:.1} ± {:.1}, below 2: rare bright samples decide, and its variance, and all that follows from it, is not to be trusted",
                 tail.index, 2.0 * tail.standard_error
+            ));
+        }
+        let check = result.by_region[0].bias_squared;
+        if result.by_region[0].is_truth && check.value.abs() > DISAGREES * check.standard_error {
+            warnings.push(format!(
+                "{name}: its runs and the reference, which are rendered alike, differ by more than their noise explains: {:.1} σ; some light is found so seldom that more time is needed",
+                (check.value / check.standard_error).abs()
             ));
         }
         if result.unsteadiness > UNSTEADY {

@@ -219,6 +219,8 @@ fn levels(samples: u64) -> Vec<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::radiometry::Rgb;
+    use crate::scene::{Material, ScatteringInput, Surface};
     use crate::study::accuracy::settings::digest;
 
     fn settings(seeds: usize) -> Settings {
@@ -237,9 +239,21 @@ mod tests {
         }
     }
 
+    /// One material, with every effect.
+    fn scene() -> Scene {
+        let medium = ScatteringInput::Coefficients {
+            sigma_a: Rgb::new(1.0, 2.0, 3.0),
+            sigma_s: Rgb::splat(10.0),
+            g: 0.5,
+        };
+        let surface = Surface::Translucent { ior: 1.4, roughness: 0.5, medium };
+        Scene { materials: vec![Material { surface, ..Material::default() }], ..Scene::default() }
+    }
+
     #[test]
     fn no_two_runs_share_a_seed() {
-        let all = series(&Scene::default(), &settings(16));
+        let all = series(&scene(), &settings(16));
+        assert_eq!(all.len(), 1 + 8 + 1 + 1 + Effect::ALL.len());
         let seeds = |study| all.iter().flat_map(move |s| (0..s.runs).map(move |run| s.seed(study, run)));
         let mut found: Vec<u64> = [0, 1, 2, 1 << 20].into_iter().flat_map(seeds).collect();
         let count = found.len();
@@ -250,7 +264,7 @@ mod tests {
 
     #[test]
     fn the_time_is_used_and_not_exceeded() {
-        let all = series(&Scene::default(), &settings(4));
+        let all = series(&scene(), &settings(4));
         let rates: Vec<Rate> = (0..all.len())
             .map(|i| Rate { setup_seconds: 0.1, seconds_per_sample: 1e-3 * (i + 1) as f64 })
             .collect();
@@ -263,6 +277,7 @@ mod tests {
         assert!((95.0..100.0).contains(&total), "{total}");
         assert!((spent(Share::Reference) / 33.0 - 1.0).abs() < 0.03);
         let samples: Vec<_> = all.iter().zip(&planned).filter(|(s, _)| s.share() == Share::Effects).collect();
+        assert_eq!(samples.len(), 1 + Effect::ALL.len());
         assert!(samples.windows(2).all(|pair| pair[0].1.levels == pair[1].1.levels));
         let short = deal_out(&all, &rates, 0.5).unwrap_err();
         assert!(short.least > 0.5 && deal_out(&all, &rates, short.least).is_ok());

@@ -3,6 +3,7 @@
 use super::super::jackknife::SIGMAS;
 use super::super::maps;
 use super::super::parts::SAMPLING_SECONDS;
+use super::super::plan::PARTS_OF_HALF;
 use super::super::results::{CandidateResult, ErrorPart, PartKind, Results};
 use super::super::tables::{COLUMNS, bias, cells, time_of_effect, with_error};
 use super::{ReportError, escaped, figures, pictures};
@@ -260,9 +261,9 @@ pub fn method(results: &Results) -> String {
     let settings = &results.plan.settings;
     format!(
         "<section id=\"method\"><h2>How it was done</h2>\
-         <p>Errors are relMSE, the mean of (a − r)²/(r² + 0.01) over pixels and channels, against a reference r of two independent halves r₁ and r₂. \
-         (a − r₁)(a − r₂) takes the place of (a − r)², so the noise of the reference drops out. Of the mean ā of {} runs with variance s², (ā − r₁)(ā − r₂) − s²/{} \
-         is the bias alone, and s² the noise. Intervals come from leaving out one run after another (jackknife), that of B² also from the noise of the reference. \
+         <p>Errors are relMSE, the mean of (a − r)²/(r² + 0.01) over pixels and channels, against a reference r of two independent halves, each of {PARTS_OF_HALF} parts. \
+         The noise of each half is known from its parts and subtracted, and each half is weighted by the other, so that noise of the reference does not pass for error. Of the mean ā of {} runs with variance s², \
+         the square of its error less s²/{} is the bias alone, and s² is the noise. Intervals come from leaving out one run after another (jackknife), that of B² also from the noise of the reference. \
          Candidates took turns, so what else the machine did fell on all alike. Times are those of rendering, on {} threads, at {} × {} pixels; they grow in proportion to the pixels.</p>\
          <p>Beside this file: <code>data.csv</code> (every point of every run), <code>summary.json</code>, and the mean pictures as <code>.exr</code> with their variance, for <code>alabaster compare</code>.</p></section>\n",
         settings.seeds, settings.seeds, settings.threads, settings.width, settings.height
