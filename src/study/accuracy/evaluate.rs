@@ -4,12 +4,12 @@ use super::candidate::Candidate;
 use super::collisions::expected;
 use super::crossover::crossover;
 use super::errors::{Moments, Reference, Region, channels, picture};
-use super::jackknife::jackknife;
+use super::jackknife::{SIGMAS, jackknife};
 use super::model::{CurvePoint, fit};
 use super::plan::{PARTS_OF_HALF, Plan, REFERENCE};
 use super::results::{CandidateResult, MeanPoint, ReferenceResult, RegionResult, Results};
 use super::store::{Record, Store};
-use super::tail::tail_index;
+use super::tail::{TailIndex, tail_index};
 use crate::scene::Scene;
 use crate::slab::Estimate;
 
@@ -265,45 +265,12 @@ fn add_crossovers(results: &mut Results) {
 }
 
 fn warnings(results: &Results) -> Vec<String> {
-    let mut warnings: Vec<String> = results
-        .plan
-        .skipped
-        .iter()
-        .map(|(name, reason)| format!("{name} is not in the study: {reason}"))
-        .collect();
-    for result in &results.candidates {
-        let name = result.candidate.name();
-        if let Some(tail) = result.tail.filter(super::tail::TailIndex::is_heavy) {
-            warnings.push(format!(
-                "{name}: the tail of its noise has the index {:.1} ± {:.1}, below 2: rare bright samples decide, and its variance, and all that follows from it, is not to be trusted",
-                tail.index, 2.0 * tail.standard_error
-            ));
-        }
-        let check = result.by_region[0].bias_squared;
-        if result.by_region[0].is_truth && check.value.abs() > DISAGREES * check.standard_error {
-            warnings.push(format!(
-                "{name}: its runs and the reference, which are rendered alike, differ by more than their noise explains: {:.1} σ; some light is found so seldom that more time is needed",
-                (check.value / check.standard_error).abs()
-            ));
-        }
-        if result.unsteadiness > UNSTEADY {
-            warnings.push(format!(
-                "{name}: the same work took times that differ by {:.0} % (one σ): the machine was busy with other things",
-                100.0 * result.unsteadiness
-            ));
-        }
-        if result.runs < results.plan.settings.seeds {
-            warnings
-                .push(format!("{name}: {} of {} runs are done", result.runs, results.plan.settings.seeds));
-        }
-        if result.nonfinite > 0 {
-            warnings
-                .push(format!("{name}: {} samples were not finite and were left black", result.nonfinite));
-        }
-        if result.capped > 0 {
-            warnings.push(format!("{name}: {} paths were cut by the limit on their length", result.capped));
-        }
-    }
+    let skipped = results.plan.skipped.iter();
+    let mut warnings: Vec<String> =
+        skipped.map(|(name, reason)| format!("{name} is not in the study: {reason}")).collect();
+    let seeds = results.plan.settings.seeds;
+    warnings.extend(results.candidates.iter().flat_map(|result| warnings_of(result, seeds)));
+    warnings.extend(unsteadiness(&results.candidates));
     if results.reference.candidate != Candidate::WALK {
         warnings.push(format!(
             "the reference is {}, not the random walk: errors are differences from it, not from the truth",
@@ -311,4 +278,44 @@ fn warnings(results: &Results) -> Vec<String> {
         ));
     }
     warnings
+}
+
+fn warnings_of(result: &CandidateResult, seeds: usize) -> Vec<String> {
+    let check = result.by_region[0].bias_squared;
+    let disagreement = (check.value / check.standard_error).abs();
+    let found = [
+        result.tail.filter(TailIndex::is_heavy).map(|tail| {
+            format!(
+                "the tail of its noise has the index {:.1} ± {:.1}, below 2: rare bright samples decide, and its variance, and all that follows from it, is not to be trusted",
+                tail.index,
+                SIGMAS * tail.standard_error
+            )
+        }),
+        (result.by_region[0].is_truth && disagreement > DISAGREES).then(|| {
+            format!(
+                "its runs and the reference, which are rendered alike, differ by more than their noise explains, {disagreement:.1} σ: some light is found so seldom that more time is needed"
+            )
+        }),
+        (result.runs < seeds).then(|| format!("{} of {seeds} runs are done", result.runs)),
+        (result.nonfinite > 0)
+            .then(|| format!("{} samples were not finite and were left black", result.nonfinite)),
+        (result.capped > 0)
+            .then(|| format!("{} paths were cut by the limit on their length", result.capped)),
+    ];
+    let name = result.candidate.name();
+    found.into_iter().flatten().map(|warning| format!("{name}: {warning}")).collect()
+}
+
+fn unsteadiness(candidates: &[CandidateResult]) -> Option<String> {
+    let unsteady: Vec<&CandidateResult> =
+        candidates.iter().filter(|result| result.unsteadiness > UNSTEADY).collect();
+    let most = unsteady.iter().map(|result| result.unsteadiness).fold(0.0, f64::max);
+    let names: Vec<String> = unsteady.iter().map(|result| result.candidate.name()).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "the same work took times that differ by up to {:.0} % (one σ): the machine was busy with other things ({})",
+            100.0 * most,
+            names.join(", ")
+        )
+    })
 }

@@ -9,7 +9,7 @@ use crate::study::plot::{Axis, Dot, Dots, Line, Panel};
 /// Points of a curve.
 const STEPS: usize = 120;
 /// Errors that charts show at most, and at least, %.
-const ERRORS: Range<f64> = 0.01..200.0;
+const ERRORS: Range<f64> = 0.01..3000.0;
 /// Charts go on so many times as long as the longest run took: what comes later follows from B² and V.
 const BEYOND: f64 = 100.0;
 
