@@ -21,9 +21,9 @@ pub fn absorbed_share_of_row(row: usize, g: f64) -> f64 {
     unreduced_share((root * root).min(1.0 - 1e-7), g)
 }
 
-/// Mean cosines: equidistant in ln(1 − g), from 0 to 0.9.
-pub const G_NODES: [f64; 5] =
-    [0.0, 0.437_658_674_809_650_3, 0.683_772_233_983_162_1, 0.822_172_058_996_109_5, 0.9];
+/// Mean cosines, from 0 to 0.9. In ln(1 − g) their distances are nearly alike, but for one between the first two.
+pub const G_NODES: [f64; 6] =
+    [0.0, 0.2, 0.437_658_674_809_650_3, 0.683_772_233_983_162_1, 0.822_172_058_996_109_5, 0.9];
 
 /// Indices of refraction below 1, where the boundary reflects little from inside.
 const ETA_BELOW_ONE: [f64; 2] = [0.6, 0.8];

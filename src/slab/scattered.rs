@@ -10,7 +10,7 @@ pub struct Leaving {
     pub by_radius: Vec<Estimate>,
     /// By angular bin, per solid angle (1/sr).
     pub by_angle: Vec<Estimate>,
-    /// [ring][angular bin], per area and solid angle.
+    /// By ring and, within it, angular bin, per area and solid angle.
     pub by_radius_and_angle: Vec<Estimate>,
     /// What left beyond the last ring.
     pub beyond: Estimate,
@@ -23,7 +23,7 @@ pub struct Leaving {
 pub struct Inside {
     /// By sheet, integrated over the plane, per depth.
     pub by_depth: Vec<Estimate>,
-    /// [sheet][ring], per volume.
+    /// By sheet and, within it, ring, per volume.
     pub by_depth_and_radius: Vec<Estimate>,
     /// What lies below the last sheet, at any radius.
     pub below: Estimate,

@@ -136,7 +136,7 @@ pub struct Tally<'a> {
     unscattered: Vec<f64>,
     /// By ring: what left at the top after one collision.
     single: Vec<f64>,
-    /// [piece][ring, overflow included]: weight that collided.
+    /// Weight that collided, by piece and, within it, ring, overflow included.
     collided: Vec<f64>,
 }
 

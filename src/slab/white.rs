@@ -80,9 +80,9 @@ pub struct WhiteTally<'a> {
     random: Xoshiro256PlusPlus,
     /// Weight that entered.
     entered: f64,
-    /// [ring][class].
+    /// By ring and, within it, class.
     left: Vec<f64>,
-    /// [class]: weight, and weight times collisions.
+    /// By class: weight, and weight times collisions.
     class_moments: Vec<[f64; 2]>,
     /// Whether the present flight has been scored.
     scored: bool,
