@@ -2,8 +2,8 @@
 //!
 //! The reference r is the mean of two independent halves, each of several parts, whose spread gives the variance v of
 //! the half. For a picture a that is independent of them, E[(a − r₁)² − v₁] = E[(a − truth)²]. In the same way the mean ā
-//! of K runs with sample variance s² gives the bias alone, E[(ā − r₁)² − v₁ − s²/K] = (E a − truth)². relMSE divides by r²
-//! + 0.01. Were that the same r, a half that is too dark by chance would also weigh more, and the mean would be off by the noise
+//! of K runs with sample variance s² gives the bias alone, E[(ā − r₁)² − v₁ − s²/K] = (E a − truth)². relMSE divides by
+//! r² + 0.01. Were that the same r, a half that is too dark by chance would also weigh more, and the mean would be off by the noise
 //! after all; so each half is weighted by the other one: ½ Σ_h ((a − r_h)² − v_h)/(r²_(other) + 0.01), averaged over
 //! pixels and channels.
 
