@@ -13,7 +13,7 @@ const LEAST_OUTSIDE_OF_WHITE: f64 = 0.03;
 const WINDOW: usize = RINGS_PER_DECADE / 8;
 
 /// Logits of the share of energy within the radii of the knots. `rings` holds the energy by ring, in
-/// mean free paths; `reduced` is the reduced extinction coefficient over the extinction coefficient; `absorbs` is false
+/// mean free paths, per energy that entered; `reduced` is the reduced extinction coefficient over the extinction coefficient; `absorbs` is false
 /// for the row without absorption.
 pub fn logits(rings: &[f64], reduced: f64, absorbs: bool) -> [f64; KNOTS] {
     let inside: Vec<f64> = rings
@@ -33,6 +33,10 @@ pub fn logits(rings: &[f64], reduced: f64, absorbs: bool) -> [f64; KNOTS] {
         })
         .collect();
     outside.reverse();
+    if !absorbs {
+        // All that entered leaves: better known than the sum of the few packets that come out far away.
+        outside = inside[..RINGS - 1].iter().map(|e| 1.0 - e).collect();
+    }
     let least_outside = if absorbs { LEAST_OUTSIDE } else { LEAST_OUTSIDE_OF_WHITE };
     // At the outer edges of the rings that have one.
     let edges: Vec<(f64, f64)> = (0..RINGS - 1)
