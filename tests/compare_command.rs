@@ -99,9 +99,9 @@ fn numbers_are_those_of_the_pixels() {
         assert!((found[key].as_f64().unwrap() / expected - 1.0).abs() < rounding, "{key}");
     }
     let largest = pairs.iter().map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    // The reader of JSON may be an ulp off.
+    // The reader of JSON may be some ulps off.
     let difference = found["largest"]["difference"].as_f64().unwrap();
-    assert!((difference / largest - 1.0).abs() <= f64::EPSILON, "{difference}, not {largest}");
+    assert!((difference / largest - 1.0).abs() < 4.0 * f64::EPSILON, "{difference}, not {largest}");
     let at = |key: &str| found["largest"][key].as_u64().unwrap() as usize;
     assert_eq!(numbers(&found["largest"]["a"])[0], f64::from(a.pixels[24 * at("y") + at("x")][0]));
     let flip = found["flip"]["mean"].as_f64().unwrap();
