@@ -16,27 +16,14 @@ const WINDOW: usize = RINGS_PER_DECADE / 8;
 /// mean free paths, per energy that entered; `reduced` is the reduced extinction coefficient over the extinction coefficient; `absorbs` is false
 /// for the row without absorption.
 pub fn logits(rings: &[f64], reduced: f64, absorbs: bool) -> [f64; KNOTS] {
-    let inside: Vec<f64> = rings
-        .iter()
-        .scan(0.0, |sum, e| {
-            *sum += e;
-            Some(*sum)
-        })
-        .collect();
+    let inside = running_sums(rings.iter());
     let total = inside[RINGS - 1];
-    let mut outside: Vec<f64> = rings[1..]
-        .iter()
-        .rev()
-        .scan(0.0, |sum, e| {
-            *sum += e;
-            Some(*sum)
-        })
-        .collect();
-    outside.reverse();
-    if !absorbs {
+    let outside: Vec<f64> = if absorbs {
+        running_sums(rings[1..].iter().rev()).into_iter().rev().collect()
+    } else {
         // All that entered leaves: better known than the sum of the few packets that come out far away.
-        outside = inside[..RINGS - 1].iter().map(|e| 1.0 - e).collect();
-    }
+        inside[..RINGS - 1].iter().map(|e| 1.0 - e).collect()
+    };
     let least_outside = if absorbs { LEAST_OUTSIDE } else { LEAST_OUTSIDE_OF_WHITE };
     // At the outer edges of the rings that have one.
     let edges: Vec<(f64, f64)> = (0..RINGS - 1)
@@ -44,6 +31,14 @@ pub fn logits(rings: &[f64], reduced: f64, absorbs: bool) -> [f64; KNOTS] {
         .map(|i| ((ring_edge(i) * reduced).ln(), (inside[i] / outside[i]).ln()))
         .collect();
     std::array::from_fn(|k| at(&edges, knot_radius(k).ln(), absorbs))
+}
+
+fn running_sums<'a>(energies: impl Iterator<Item = &'a f64>) -> Vec<f64> {
+    let add = |sum: &mut f64, energy: &f64| {
+        *sum += energy;
+        Some(*sum)
+    };
+    energies.scan(0.0, add).collect()
 }
 
 /// The logit at `position` = ln r, from logits at equidistant `edges`.

@@ -16,11 +16,6 @@ pub fn named<T: Copy + Send + Sync + 'static, const N: usize>(
     })
 }
 
-/// The name of `value` in `table`; empty if it has none.
-pub fn name_of<T: PartialEq>(table: &[(&'static str, T)], value: &T) -> &'static str {
-    table.iter().find(|(_, named)| named == value).map_or("", |(name, _)| name)
-}
-
 /// A finite number.
 pub fn finite(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {

@@ -7,7 +7,7 @@ use std::sync::atomic::Ordering;
 use clap::Args;
 
 use super::backend::{RayWork, run_on};
-use super::choice::{LayerChoice, ViewChoice, finite, name_of, named, positive};
+use super::choice::{LayerChoice, ViewChoice, finite, named, positive};
 use super::console::{print_line, say};
 use super::error::CliError;
 use super::progress::Progress;
@@ -128,8 +128,8 @@ fn options(args: &RenderArgs, scene: &Scene) -> RenderOptions {
 /// Backend, method and profiles in use: where the scene leaves the method open, the area integral.
 fn made_by<C: RayCaster>(args: &RenderArgs, renderer: &Renderer<C>) -> MadeBy {
     let method = match renderer.scene().subsurface.method {
-        Method::Auto => name_of(&Method::NAMES, &Method::Bssrdf),
-        chosen => name_of(&Method::NAMES, &chosen),
+        Method::Auto => Method::Bssrdf.name(),
+        chosen => chosen.name(),
     };
     let profiles = renderer.profiles().into_iter().map(ProfileKind::name).collect();
     MadeBy { backend: args.backend.name(), method, profiles }

@@ -107,6 +107,11 @@ impl Method {
     /// Names in scene files and on the command line.
     pub const NAMES: [(&'static str, Self); 4] =
         [("auto", Self::Auto), ("bssrdf", Self::Bssrdf), ("walk", Self::Walk), ("diffuse", Self::Diffuse)];
+
+    /// Name in scene files and on the command line.
+    pub fn name(self) -> &'static str {
+        Self::NAMES.iter().find(|(_, method)| *method == self).map_or("", |(name, _)| name)
+    }
 }
 
 impl ProfileChoice {

@@ -10,7 +10,7 @@ use super::path::{Path, place};
 use super::scatterer::{Scatterer, ScattererError};
 use super::substance::Substance;
 use super::warnings::warnings;
-use super::world::World;
+use super::world::{UPWARDS, World};
 use crate::diffusion::{ModelKind, ProfileKind};
 use crate::math::SampleStream;
 use crate::math::robust::offset_from_surface;
@@ -198,8 +198,7 @@ fn interiors_at<C: RayCaster>(
     scatterers: &[Option<Scatterer>],
     position: Vec3,
 ) -> Interiors {
-    // Upwards: any direction would do, and most scenes stand on a floor.
-    let mut interiors = world.interiors_at(position, Vec3::new(0.02, 0.999_8, 0.005));
+    let mut interiors = world.interiors_at(position, UPWARDS);
     let around = interiors;
     for body in interiors.iter_mut().filter(|body| world.is_walked(body.instance)) {
         let Substance::Material(material) = world.substance(body.instance) else { continue };

@@ -1,9 +1,7 @@
 //! What is odd about a scene that paths walk in, told before it is rendered.
 
-use glam::Vec3;
-
 use super::substance::Substance;
-use super::world::World;
+use super::world::{UPWARDS, World};
 use crate::optics::is_smooth;
 use crate::raycast::RayCaster;
 use crate::scene::{Light, Scene, Surface};
@@ -39,8 +37,7 @@ fn body_of_same_material_around<C: RayCaster>(world: &World<C>, instance: u32) -
         return None;
     }
     let [a, b, c] = world.triangle(instance, 0);
-    // Any direction would do that is not along a face.
-    let around = world.interiors_at((a + b + c) / 3.0, Vec3::new(0.02, 0.999_8, 0.005));
+    let around = world.interiors_at((a + b + c) / 3.0, UPWARDS);
     let is_same = |other: u32| other != instance && world.substance(other) == world.substance(instance);
     around.iter().map(|body| body.instance).find(|&other| is_same(other))
 }

@@ -13,6 +13,9 @@ use super::interiors::{Interior, Interiors};
 use super::solid::Flaw;
 use super::substance::{Substance, flaws_of_walked, interior_of, is_probed, is_walked};
 
+/// A direction to look for the bodies around a point: any would do that is not along a face, and upwards most scenes are open.
+pub const UPWARDS: Vec3 = Vec3::new(0.02, 0.999_8, 0.005);
+
 /// A point on a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePoint {

@@ -7,14 +7,12 @@ use std::sync::atomic::AtomicBool;
 
 use alabaster::film::Film;
 use alabaster::scene::{ProfileChoice, Scene, read_scene};
+use alabaster::study::image::metrics::relative_squared_error;
 use alabaster::transport::{Counters, Renderer};
 
 use super::cpu_time::thread_seconds;
 use super::scenes::{Caster, renderer_with};
 use super::walks::walker;
-
-/// Offset in the denominator of relMSE, so that dark pixels count by their absolute error.
-const OFFSET: f64 = 0.01;
 
 /// Share of the object's mean that a lit pixel has at least. In darker ones some rare paths bring the light: their mean
 /// over hundreds of samples is not yet normally distributed.
@@ -117,7 +115,7 @@ fn compare_film(reference: &Reference, film: &Film, cpu_seconds: f64) -> Compari
         whole += f64::from(u8::from(truth.coverage == 1.0));
         for c in 0..3 {
             let value = f64::from(pixel.mean()[c]);
-            let error = (value - truth.mean[c]).powi(2) / (truth.mean[c].powi(2) + OFFSET) / 3.0;
+            let error = relative_squared_error(value, truth.mean[c]) / 3.0;
             comparison.relative_mse_of_picture += error;
             if truth.coverage > 0.0 {
                 comparison.relative_mse += error;

@@ -1,7 +1,10 @@
 //! What is compared: methods, with the diffusion profile where they have one.
 
+use crate::diffusion::ProfileKind;
 use crate::scene::{Method, ProfileChoice};
 use crate::study::plot::Style;
+use crate::study::profile::ModelChoice;
+use crate::study::profile::figures::style;
 
 /// A method and the profile that it uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +43,7 @@ impl Candidate {
 
     /// Name of the method as on the command line.
     pub fn method_name(self) -> &'static str {
-        Method::NAMES.iter().find(|(_, method)| *method == self.method).map_or("", |(name, _)| name)
+        self.method.name()
     }
 
     /// Name of the profile, where there is one.
@@ -70,19 +73,14 @@ impl Candidate {
         Self::ALL.iter().position(|&other| other == self).unwrap_or(Self::ALL.len())
     }
 
-    /// Colours of Okabe and Ito 2008, which colour-blind people tell apart, and dashes.
+    /// How its line looks: that of its profile in every study.
     pub fn style(self) -> Style {
-        let (color, dashes) = match (self.method, self.profile) {
-            (Method::Walk, _) => ([0x1a, 0x1a, 0x1a], ""),
-            (Method::Diffuse, _) => ([0x88, 0x88, 0x88], "2 4"),
-            (_, ProfileChoice::PhotonBeam) => ([0xcc, 0x79, 0xa7], "12 3 3 3 3 3"),
-            (_, ProfileChoice::NormalizedDiffusion) => ([0xd5, 0x5e, 0x00], "6 3"),
-            (_, ProfileChoice::DirectionalDipole) => ([0x00, 0x9e, 0x73], "12 4 3 4"),
-            (_, ProfileChoice::BetterDipole) => ([0x56, 0xb4, 0xe9], "3 3"),
-            (_, ProfileChoice::Dipole) => ([0xe6, 0x9f, 0x00], "9 4"),
-            _ => ([0x00, 0x72, 0xb2], ""),
-        };
-        Style { color, dashes }
+        match (self.method, self.profile.kind()) {
+            (Method::Walk, _) => Style { color: [0x1a, 0x1a, 0x1a], dashes: "" },
+            (Method::Diffuse, _) => Style { color: [0x88, 0x88, 0x88], dashes: "2 4" },
+            (_, Some(ProfileKind::Model(kind))) => style(ModelChoice::Analytic(kind)),
+            _ => style(ModelChoice::Tabulated),
+        }
     }
 }
 

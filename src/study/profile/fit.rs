@@ -3,11 +3,13 @@
 use nalgebra::{DMatrix, DVector};
 use thiserror::Error;
 
+use super::figures::style;
 use super::measured::MeasuredProfile;
+use super::models::ModelChoice;
 use crate::diffusion::{DiffusionModel, HalfSpace, PhotonBeam, Profile, ShapeTable, tabulated};
 use crate::medium::{Entry, PlaneParallel};
 use crate::study::numbers::significant;
-use crate::study::plot::{Axis, Dot, Dots, Line, Panel, PlotError, Style, svg};
+use crate::study::plot::{Axis, Dot, Dots, Line, Panel, PlotError, svg};
 
 /// The model that is fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -345,7 +347,7 @@ pub fn figure(
         y: Axis { label: label.into(), range: range(&mut dots.iter().map(|dot| dot.y), 2.0), log: true },
         lines: vec![Line {
             name: format!("{} fitted", problem.model.name()),
-            style: Style { color: [0x00, 0x72, 0xb2], dashes: "" },
+            style: style(ModelChoice::Tabulated),
             points: curve,
         }],
         dots: vec![Dots { name: "measured, ±σ".into(), color: [0; 3], points: dots }],
