@@ -10,6 +10,7 @@ mod common {
     pub mod cpu_time;
     pub mod scenes;
     pub mod volumetric;
+    pub mod walks;
 }
 
 use std::error::Error;

@@ -96,7 +96,6 @@ fn embree_is_refused_where_it_is_not_built_in() {
 #[test]
 fn what_is_not_there_yet_is_refused() {
     let folder = folder();
-    folder.refuses(&render(&["-o", "a.exr", "--method", "walk"]), 2, "auto, bssrdf, diffuse");
     fs::write(folder.path("spectral.toml"), format!("{SCENE}[render]\nmode = \"spectral\"\n")).unwrap();
     folder.refuses(&["render", "spectral.toml", "-o", "a.exr"], 2, "auto, rgb");
 }
@@ -113,6 +112,20 @@ fn every_profile_renders_and_is_reported() {
     }
     let made = folder.run(&render(&["-o", "a.exr", "--spp", "1", "--method", "diffuse", "--json"])).report();
     assert_eq!(made["profiles"], serde_json::json!([]));
+}
+
+#[test]
+fn walks_are_reported_and_what_is_odd_is_told() {
+    let folder = folder();
+    let made = folder.run(&render(&["-o", "a.exr", "--spp", "1", "--method", "walk", "--json"])).report();
+    assert_eq!((&made["method"], &made["profiles"]), (&serde_json::json!("walk"), &serde_json::json!([])));
+    assert!(made["collisions"].as_u64() > Some(0));
+    assert_eq!((&made["open_walks"], &made["capped_walks"]), (&serde_json::json!(0), &serde_json::json!(0)));
+    let sheet = "[[object]]\nname = \"leaf\"\nshape = \"quad\"\ncenter = [0, 0, 2]\nnormal = [0, 0, 1]\n\
+                 size = [1, 1]\nmaterial = \"marble\"\n[subsurface]\nmethod = \"walk\"\n";
+    fs::write(folder.path("leaf.toml"), format!("{SCENE}{sheet}")).unwrap();
+    let (_, told) = folder.run(&["render", "leaf.toml", "-o", "a.exr", "--spp", "1"]).ends_with(0);
+    assert!(told.contains("warning: object \"leaf\": it encloses no volume"), "{told}");
 }
 
 #[test]
@@ -173,7 +186,7 @@ fn quiet_is_quiet() {
 #[test]
 fn wrong_command_lines_are_refused() {
     let folder = folder();
-    let cases: [(&[&str], &str); 14] = [
+    let cases: [(&[&str], &str); 13] = [
         (&[], "--output"),
         (&["-o", "a.jpg"], "a.jpg: pictures are written as .exr or .png"),
         (&["-o", "a"], "choose one of these endings"),
@@ -185,7 +198,6 @@ fn wrong_command_lines_are_refused() {
         (&["-o", "a.png", "--exposure", "inf"], "a finite number is wanted"),
         (&["-o", "a.exr", "--threads", "0"], "--threads"),
         (&["-o", "a.exr", "--method", "magic"], "[possible values: auto, bssrdf, walk, diffuse]"),
-        (&["-o", "a.exr", "--method", "walk"], "walk"),
         (&["-o", "a.exr", "--backend", "magic"], "[possible values: embree, bvh]"),
         (&["-o", "a.exr", "--aov", "depth"], "depth"),
     ];

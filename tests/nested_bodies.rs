@@ -6,6 +6,7 @@ use alabaster::radiometry::Rgb;
 use alabaster::scene::{ColorInput, Instance, Material, Mesh, ScalarInput, Scene, Surface, shape};
 use alabaster::transport::Counters;
 use common::scenes::{Statistics, body, furnace, join, renderer};
+use common::walks::walker;
 use glam::{Affine3A, Vec3};
 
 /// A hollow glass ball: outer wall at radius 1, inner at 0.85, as one closed mesh.
@@ -53,25 +54,27 @@ fn milk_that_absorbs_nothing_vanishes_with_its_glass() {
     let through = shape::cuboid(Vec3::X * 0.9, Vec3::new(0.8, 0.3, 0.3));
     for (name, milk) in [("full", full), ("bar", bar), ("through", through)] {
         for roughness in [0.0, 0.4] {
-            let renderer = renderer(milk_in_glass(milk.clone(), roughness));
-            let mut counters = Counters::default();
-            let mut statistics = Statistics::default();
-            for pixel in 0..576 {
-                for sample in 0..32 {
-                    let value = renderer.sample(pixel % 24, pixel / 24, sample, &mut counters);
-                    assert!(value.is_finite());
-                    statistics.add(f64::from(value.mean()));
+            for (method, renderer) in [("bssrdf", renderer as fn(_) -> _), ("walk", walker)] {
+                let renderer = renderer(milk_in_glass(milk.clone(), roughness));
+                let mut counters = Counters::default();
+                let mut statistics = Statistics::default();
+                for pixel in 0..576 {
+                    for sample in 0..32 {
+                        let value = renderer.sample(pixel % 24, pixel / 24, sample, &mut counters);
+                        assert!(value.is_finite());
+                        statistics.add(f64::from(value.mean()));
+                    }
                 }
+                let (mean, sigma) = (statistics.mean(), statistics.standard_error());
+                println!(
+                    "{method}: {name} roughness {roughness}: {mean:.5} ± {sigma:.5} max {:.2} {counters:?}",
+                    statistics.max
+                );
+                // Directions that the interpolated normals of a coarse sphere send to the wrong side are lost.
+                let lost = (counters.rejected + counters.capped_paths) as f64 / (576.0 * 32.0);
+                assert!(lost < 1e-3, "{lost}");
+                assert!((mean - 1.0).abs() < 3.0 * sigma + lost + 1e-4, "{method}: {name}: {mean} ± {sigma}");
             }
-            let (mean, sigma) = (statistics.mean(), statistics.standard_error());
-            println!(
-                "{name} roughness {roughness}: {mean:.5} ± {sigma:.5} max {:.2} {counters:?}",
-                statistics.max
-            );
-            // Directions that the interpolated normals of a coarse sphere send to the wrong side are lost.
-            let lost = (counters.rejected + counters.capped_paths) as f64 / (576.0 * 32.0);
-            assert!(lost < 1e-3, "{lost}");
-            assert!((mean - 1.0).abs() < 3.0 * sigma + lost + 1e-4, "{name}: {mean} ± {sigma}");
         }
     }
 }

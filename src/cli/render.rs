@@ -118,6 +118,7 @@ fn render_with<C: RayCaster>(
     let options = options(args, &scene);
     let film = Film::new(scene.film.width, scene.film.height)?;
     let renderer = Renderer::new(scene, options, build)?;
+    renderer.warnings().iter().for_each(|warning| say(&format!("warning: {warning}")));
     render_and_save(args, &renderer, film)
 }
 

@@ -33,6 +33,8 @@ pub struct Report {
     clamped: u64,
     rejected: u64,
     capped_walks: u64,
+    open_walks: u64,
+    collisions: u64,
     probes: Probes,
     /// `null` while unknown.
     relative_error: Option<f64>,
@@ -79,6 +81,8 @@ impl Report {
             clamped: tally.clamped,
             rejected: counters.rejected,
             capped_walks: counters.capped_paths,
+            open_walks: counters.open_walks,
+            collisions: counters.collisions,
             probes: Probes { cast, missed, hits, overflowed },
             relative_error: Some(film.relative_error()).filter(|error| error.is_finite()),
             firefly_index: film.firefly_index(),
@@ -117,6 +121,11 @@ impl Report {
         warn(self.clamped, "samples", format!("were above {LARGEST:e} W/(m² sr) and were cut: {light}"));
         warn(self.rejected, "directions", format!("could not be followed: {light}"));
         warn(self.capped_walks, "paths", format!("were cut by the limit on their length: {light}"));
+        warn(
+            self.open_walks,
+            "walks",
+            "left a body where it has no surface; they are taken to go straight on".into(),
+        );
         warn(
             self.probes.overflowed,
             "area integrals",

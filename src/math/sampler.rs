@@ -65,6 +65,13 @@ impl HashGenerator {
         unit((self.next_u64() >> 32) as u32)
     }
 
+    /// The next number from the exponential distribution of mean 1, positive, to 53 bits: its tail reaches
+    /// beyond what single-precision uniform numbers can give.
+    pub fn next_exponential(&mut self) -> f32 {
+        let uniform = ((self.next_u64() >> 11) + 1) as f64 * (1.0 / (1_u64 << 53) as f64);
+        -uniform.ln() as f32
+    }
+
     fn next_u64(&mut self) -> u64 {
         self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         hash(self.state)

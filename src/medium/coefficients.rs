@@ -17,6 +17,21 @@ pub struct Medium {
 }
 
 impl Medium {
+    /// A medium that absorbs and does not scatter.
+    pub fn clear(sigma_a: Rgb) -> Self {
+        Self { sigma_a, sigma_s: Rgb::ZERO, g: 0.0 }
+    }
+
+    /// True if some channel scatters.
+    pub fn scatters(&self) -> bool {
+        !self.sigma_s.is_black()
+    }
+
+    /// Extinction coefficient σ_t = σ_a + σ_s, 1/m.
+    pub fn sigma_t(&self) -> Rgb {
+        self.sigma_a + self.sigma_s
+    }
+
     /// Reduced scattering coefficient σ_s' = σ_s (1 − g), 1/m: isotropic scattering that spreads
     /// light alike (van de Hulst 1980, similarity of order 1).
     pub fn sigma_s_reduced(&self) -> Rgb {

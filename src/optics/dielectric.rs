@@ -86,6 +86,26 @@ impl Dielectric {
         Some(BsdfSample::transmitted(direction, weight, self.facet_density(upper, &facet), false, true))
     }
 
+    /// Share of the light at the visible microfacet that `u` draws from `wo` that leaves the surface after it, whichever
+    /// way: the rest would meet another microfacet, which this model leaves out. For a rough interface.
+    pub(super) fn share_kept(&self, wo: Vec3, u: [f32; 2]) -> f32 {
+        let upper = to_side(wo, wo.z);
+        let m = self.ggx().sample_visible_normal(upper, u);
+        let cos_o = upper.dot(m);
+        let fresnel = fresnel_dielectric(cos_o.copysign(wo.z), self.eta);
+        let shadowing = |wi: f32| self.ggx().shadowing_given_visible(upper.z, wi.abs());
+        let reflected = reflect(upper, m).z;
+        let refracted = refracted(upper, m, self.relative_eta(wo), cos_o, -fresnel.cos_t.abs()).z;
+        let mut kept = 0.0;
+        if reflected > 0.0 {
+            kept += fresnel.reflectance * shadowing(reflected);
+        }
+        if refracted < 0.0 {
+            kept += fresnel.transmittance * shadowing(refracted);
+        }
+        if cos_o > 0.0 { kept } else { 0.0 }
+    }
+
     fn sample_smooth(&self, wo: Vec3, u: f32) -> BsdfSample {
         let fresnel = fresnel_dielectric(wo.z, self.eta);
         if u < fresnel.reflectance {
@@ -131,7 +151,7 @@ impl Dielectric {
     }
 
     /// n on the side of `wi` over n on the side of `wo`, for transmission.
-    fn relative_eta(&self, wo: Vec3) -> f32 {
+    pub(super) fn relative_eta(&self, wo: Vec3) -> f32 {
         if wo.z < 0.0 { 1.0 / self.eta } else { self.eta }
     }
 

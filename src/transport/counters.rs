@@ -22,6 +22,10 @@ pub struct Counters {
     pub rejected: u64,
     /// Paths cut by a limit on their length instead of ended by roulette or escape.
     pub capped_paths: u64,
+    /// Collisions inside scattering bodies.
+    pub collisions: u64,
+    /// Walks that left a body where its mesh has no surface.
+    pub open_walks: u64,
     /// Area integrals evaluated.
     pub area_integrals: u64,
     /// Ray queries that were not probes.
@@ -35,6 +39,8 @@ impl Counters {
     pub fn merge(&mut self, other: &Self) {
         self.rejected += other.rejected;
         self.capped_paths += other.capped_paths;
+        self.collisions += other.collisions;
+        self.open_walks += other.open_walks;
         self.area_integrals += other.area_integrals;
         self.rays += other.rays;
         self.probes.cast += other.probes.cast;

@@ -1,23 +1,34 @@
-//! Which dielectric bodies a path is inside of.
+//! Which bodies a path is inside of.
 
-use crate::radiometry::Rgb;
+use std::cmp::Ordering;
+
+use crate::medium::Medium;
 
 /// The inside of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interior {
     /// The body.
     pub instance: u32,
+    /// Its diameter, m: where bodies overlap, the smallest counts.
+    pub diameter: f32,
     /// Index of refraction.
     pub ior: f32,
-    /// Absorption coefficient, 1/m.
-    pub sigma_a: Rgb,
+    /// What fills it.
+    pub medium: Medium,
+}
+
+impl Interior {
+    /// Greater is what displaces the other.
+    fn precedence(&self, other: &Self) -> Ordering {
+        other.diameter.total_cmp(&self.diameter).then(self.instance.cmp(&other.instance))
+    }
 }
 
 /// Bodies nested deeper than this are not told apart.
 const DEPTH: usize = 8;
 
-/// The bodies a path is inside of, outermost first. A body entered later displaces the ones around it,
-/// so the last counts: milk that reaches into its glass is milk there.
+/// The bodies a path is inside of, the one that fills the point last. Where bodies overlap it is the smallest, so
+/// that milk that reaches into its glass is milk there, whatever way a path came.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Interiors {
     bodies: [Option<Interior>; DEPTH],
@@ -28,16 +39,9 @@ impl Interiors {
     /// The path enters a body.
     pub fn enter(&mut self, interior: Interior) {
         if self.count < DEPTH {
-            self.bodies[self.count] = Some(interior);
-            self.count += 1;
-        }
-    }
-
-    /// Adds a body around all others.
-    pub fn surround(&mut self, interior: Option<Interior>) {
-        if interior.is_some() && self.count < DEPTH {
-            self.bodies.copy_within(0..self.count, 1);
-            self.bodies[0] = interior;
+            let place = self.iter().take_while(|body| body.precedence(&interior).is_le()).count();
+            self.bodies.copy_within(place..self.count, place + 1);
+            self.bodies[place] = Some(interior);
             self.count += 1;
         }
     }
@@ -51,38 +55,79 @@ impl Interiors {
         }
     }
 
+    /// The bodies, the one that fills the point last.
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = &Interior> {
+        self.bodies[..self.count].iter().flatten()
+    }
+
+    /// The bodies, to fill them.
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut Interior> {
+        self.bodies[..self.count].iter_mut().flatten()
+    }
+
     /// The body that fills the point.
     pub fn current(&self) -> Option<Interior> {
         self.count.checked_sub(1).and_then(|i| self.bodies[i])
     }
 
+    /// Index of refraction of what fills the point.
+    pub fn ior(&self) -> f32 {
+        self.current().map_or(1.0, |body| body.ior)
+    }
+
     /// Index of refraction around the boundary of `instance`, as if the path were outside of it.
     pub fn ior_around(&self, instance: u32) -> f32 {
-        let around = self.bodies[..self.count].iter().rev().flatten().find(|b| b.instance != instance);
-        around.map_or(1.0, |b| b.ior)
+        self.iter().rev().find(|body| body.instance != instance).map_or(1.0, |body| body.ior)
+    }
+
+    /// How many times the path has entered `instance` and not left it: more than once where the parts of a mesh overlap.
+    pub fn depth_in(&self, instance: u32) -> usize {
+        self.iter().filter(|body| body.instance == instance).count()
+    }
+
+    /// The bodies that displace `interior`.
+    pub fn displacing(&self, interior: Interior) -> impl Iterator<Item = &Interior> {
+        let displaces = move |body: &&Interior| body.precedence(&interior).is_gt();
+        self.iter().filter(displaces).filter(move |body| body.instance != interior.instance)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::radiometry::Rgb;
 
-    fn body(instance: u32, ior: f32) -> Interior {
-        Interior { instance, ior, sigma_a: Rgb::ZERO }
+    fn body(instance: u32, diameter: f32, ior: f32) -> Interior {
+        Interior { instance, diameter, ior, medium: Medium::clear(Rgb::ZERO) }
     }
 
     #[test]
-    fn overlapping_bodies_are_left_in_any_order() {
+    fn the_smallest_body_counts_in_whatever_order_bodies_are_entered_and_left() {
+        let (glass, milk) = (body(1, 2.0, 1.5), body(2, 1.0, 1.33));
+        for order in [[glass, milk], [milk, glass]] {
+            let mut interiors = Interiors::default();
+            order.into_iter().for_each(|body| interiors.enter(body));
+            assert_eq!(interiors.current(), Some(milk));
+            assert_eq!(interiors.ior_around(2), 1.5);
+            assert_eq!(interiors.displacing(glass).count(), 1);
+            assert_eq!(interiors.displacing(milk).count(), 0);
+            interiors.leave(1);
+            assert_eq!(interiors.current(), Some(milk));
+            assert_eq!(interiors.ior_around(2), 1.0);
+            interiors.leave(1);
+            interiors.leave(2);
+            assert!(interiors.current().is_none());
+        }
+    }
+
+    #[test]
+    fn overlapping_parts_of_one_body_are_counted() {
         let mut interiors = Interiors::default();
-        interiors.enter(body(1, 1.5));
-        interiors.enter(body(2, 1.33));
-        assert_eq!(interiors.current().map(|b| b.instance), Some(2));
-        assert_eq!(interiors.ior_around(2), 1.5);
+        let (part, other) = (body(1, 1.0, 1.5), body(2, 1.0, 1.2));
+        [part, other, part].into_iter().for_each(|body| interiors.enter(body));
+        assert_eq!((interiors.depth_in(1), interiors.depth_in(2)), (2, 1));
+        assert_eq!(interiors.displacing(part).count(), 1, "of two as large, the later one");
         interiors.leave(1);
-        assert_eq!(interiors.current().map(|b| b.instance), Some(2));
-        assert_eq!(interiors.ior_around(2), 1.0);
-        interiors.leave(1);
-        interiors.leave(2);
-        assert!(interiors.current().is_none());
+        assert_eq!(interiors.depth_in(1), 1);
     }
 }

@@ -5,7 +5,8 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
 use super::light_choice::{LightChoice, Reach, Receiver};
-use super::world::{Substance, SurfacePoint, World};
+use super::substance::Substance;
+use super::world::{SurfacePoint, World};
 use crate::math::distribution::{Discrete, Piecewise2d};
 use crate::math::{Frame, warp};
 use crate::radiometry::Rgb;

@@ -11,7 +11,10 @@ mod path;
 pub mod renderer;
 pub mod scatterer;
 mod shading;
+pub mod solid;
 pub mod spread;
+pub mod substance;
+mod warnings;
 pub mod world;
 
 pub use counters::{Counters, ProbeCounters};

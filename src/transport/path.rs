@@ -1,24 +1,27 @@
 //! The path tracer: one path from the camera, with direct light at every vertex.
 
+mod below;
+mod passage;
+mod random_walk;
+
 use glam::Vec3;
 
-use super::area_integral::{AreaIntegral, EntryPoint};
+use random_walk::Walked;
+
 use super::counters::Counters;
-use super::entry::{DirectionDependence, Entry, Response};
+use super::entry::Response;
 use super::interiors::Interiors;
 use super::light_choice::Receiver;
 use super::renderer::Renderer;
-use super::scatterer::Scattering;
-use super::shading::{Orientation, emitted, is_covered, resolve_bsdf};
-use super::spread::{Channels, Spread, Spreading};
-use super::world::{Substance, SurfacePoint};
-use crate::diffusion::Profile;
+use super::shading::{Lobes, Orientation, emitted, resolve_bsdf};
+use super::substance::Substance;
+use super::world::SurfacePoint;
 use crate::math::robust::offset_from_surface;
+use crate::math::sampler::HashGenerator;
 use crate::math::{Frame, SampleStream};
-use crate::optics::Bsdf;
 use crate::radiometry::Rgb;
-use crate::raycast::{Ray, RayCaster};
-use crate::scene::{Method, ScatteringInput};
+use crate::raycast::{Hit, Ray, RayCaster};
+use crate::scene::{Method, ScatteringInput, Scene};
 
 /// Sets of the sample stream by the place they are used at.
 pub(super) mod place {
@@ -40,6 +43,8 @@ pub(super) mod place {
     pub const ENTRY_LIGHT: u32 = 5;
     /// Partial coverage: beyond all bounces' sets of the low-discrepancy sequence.
     pub const COVERAGE: u32 = 1 << 24;
+    /// Walks inside scattering bodies.
+    pub const WALK: u32 = 1 << 25;
 }
 
 /// Bounces before roulette may end a path.
@@ -48,9 +53,6 @@ const ROULETTE_START: u32 = 3;
 /// Bounces after which a path is cut, where the scene sets no limit. Roulette ends paths long before;
 /// this holds light that total internal reflection and zero absorption keep for ever. It is counted.
 const LONGEST_PATH: u32 = 4096;
-
-/// Surfaces with partial coverage that one ray may pass.
-const MOST_PASSED: u32 = 256;
 
 /// The vertex a ray was scattered from, where direct light could have been drawn as well.
 #[derive(Clone, Copy)]
@@ -61,6 +63,7 @@ struct Origin {
 }
 
 /// Where a path goes on.
+#[derive(Clone, Copy)]
 struct Next {
     origin: Vec3,
     direction: Vec3,
@@ -76,7 +79,12 @@ pub(super) struct Path<'a, C> {
     radiance: Rgb,
     scattered_from: Option<Origin>,
     bounce: u32,
+    /// Surfaces with partial coverage that were not there.
     passed: u32,
+    /// Flights inside scattering bodies.
+    flights: u32,
+    /// For walks, whose length is not known beforehand.
+    random: HashGenerator,
 }
 
 impl<'a, C: RayCaster> Path<'a, C> {
@@ -86,6 +94,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
         interiors: Interiors,
         counters: &'a mut Counters,
     ) -> Self {
+        let random = stream.generator(place::WALK);
         Self {
             renderer,
             stream,
@@ -96,6 +105,8 @@ impl<'a, C: RayCaster> Path<'a, C> {
             scattered_from: None,
             bounce: 0,
             passed: 0,
+            flights: 0,
+            random,
         }
     }
 
@@ -111,15 +122,22 @@ impl<'a, C: RayCaster> Path<'a, C> {
     /// Follows one ray; `None` where the path ends.
     fn step(&mut self, from: &Next) -> Option<Next> {
         let world = &self.renderer.world;
-        self.counters.rays += 1;
-        let Some(hit) = world.caster().closest(&Ray::new(from.origin, from.direction)) else {
+        let inside = self.interiors.current();
+        let (from, hit) = match &inside {
+            Some(body) if body.medium.scatters() => match self.walk(*from, body)? {
+                Walked::Met { from, hit } => (from, Some(hit)),
+                Walked::Escaped(next) => return Some(next),
+            },
+            _ => (*from, self.closest(from)),
+        };
+        let Some(hit) = hit else {
             self.add_environment(from.direction);
             return None;
         };
         let surface = world.surface(&hit);
-        if let Some(inside) = self.interiors.current() {
+        if let Some(body) = inside.filter(|body| !body.medium.scatters()) {
             let distance = surface.position.distance(from.origin);
-            self.throughput *= inside.sigma_a.map(|s| (-s * distance).exp());
+            self.throughput *= body.medium.sigma_a.map(|s| (-s * distance).exp());
         }
         let material = match world.substance(hit.instance) {
             Substance::Light(light) => {
@@ -134,15 +152,15 @@ impl<'a, C: RayCaster> Path<'a, C> {
             return Some(Next { origin, direction: from.direction });
         }
         self.add_material_emission(material, &surface, from.direction);
-        let limit = match self.renderer.options.max_depth {
-            0 => LONGEST_PATH,
-            depth => depth.min(LONGEST_PATH),
-        };
-        if self.bounce >= limit {
+        let walks = self.renderer.options.method == Method::Walk;
+        if walks && self.passes(&surface, from.direction) {
+            return self.pass(&surface, from.direction);
+        }
+        if self.bounce >= self.limit() {
             self.counters.capped_paths += 1;
             return None;
         }
-        let next = if self.renderer.scatterers[material].is_some() {
+        let next = if !walks && self.renderer.scatterers[material].is_some() {
             self.scatter_translucent(material, &surface, -from.direction)
         } else {
             self.scatter_bsdf(material, &surface, -from.direction)
@@ -150,36 +168,50 @@ impl<'a, C: RayCaster> Path<'a, C> {
         self.survives_roulette().then_some(next)
     }
 
+    fn closest(&mut self, from: &Next) -> Option<Hit> {
+        self.counters.rays += 1;
+        self.renderer.world.caster().closest(&Ray::new(from.origin, from.direction))
+    }
+
+    /// Bounces after which the path is cut.
+    fn limit(&self) -> u32 {
+        match self.renderer.options.max_depth {
+            // Total reflection holds what scatters little for long; flights are counted there.
+            0 if self.interiors.current().is_some_and(|body| body.medium.scatters()) => u32::MAX,
+            0 => LONGEST_PATH,
+            depth => depth.min(LONGEST_PATH),
+        }
+    }
+
     fn set(&self, place: u32) -> u32 {
         place::bounce(self.bounce) + place
     }
 
+    /// What the path can bring to the camera. Radiance inside a body is n² times that outside, which its
+    /// throughput makes up for: a path is judged without that factor.
+    fn carried(&self) -> f32 {
+        self.throughput.max_component() * self.interiors.ior().powi(2)
+    }
+
     /// Ends paths that carry little, so that the rest carry as much more.
     fn survives_roulette(&mut self) -> bool {
-        // Radiance inside a body is n² times that outside, which its throughput makes up for: what a path
-        // brings to the camera is judged without that factor.
-        let index = self.interiors.current().map_or(1.0, |inside| inside.ior);
-        let carried = self.throughput.max_component() * index * index;
         let set = self.set(place::SCATTER);
         self.bounce += 1;
+        let start = self.bounce < ROULETTE_START;
+        self.plays(start, |path| path.stream.quad(set)[3])
+    }
+
+    /// Roulette with a number in [0, 1), or only a look whether there is anything to carry on if `spared`.
+    fn plays(&mut self, spared: bool, draw: impl FnOnce(&mut Self) -> f32) -> bool {
+        let carried = self.carried();
         if !(carried > 0.0 && carried.is_finite()) {
             return false;
         }
-        if self.bounce < ROULETTE_START || carried >= 1.0 {
+        if spared || carried >= 1.0 {
             return true;
         }
         self.throughput *= 1.0 / carried;
-        self.stream.quad(set)[3] < carried
-    }
-
-    fn covers(&mut self, material: usize, surface: &SurfacePoint) -> bool {
-        self.passed += 1;
-        if self.passed > MOST_PASSED {
-            return true;
-        }
-        let u = self.stream.quad(place::COVERAGE + self.passed)[0];
-        let scene = self.renderer.world.scene();
-        is_covered(scene, material, surface, u)
+        draw(self) < carried
     }
 
     /// Weight of light found by a scattered ray against the same light drawn directly.
@@ -239,46 +271,15 @@ impl<'a, C: RayCaster> Path<'a, C> {
             self.counters.rejected += 1;
             return;
         }
-        let origin = leave(surface, light.direction);
-        let arrives = self.transmittance(origin, light.direction, light.distance);
+        let arrives = self.arrival(surface, light.direction, light.distance);
         self.radiance += contribution * arrives;
-    }
-
-    /// Share of light that arrives unscattered over `distance`.
-    fn transmittance(&mut self, origin: Vec3, direction: Vec3, distance: f32) -> Rgb {
-        let world = &self.renderer.world;
-        // Short of the light, whose own surface would occlude it.
-        let mut ray = Ray { origin, direction, t_max: distance * (1.0 - 1e-4) };
-        self.counters.rays += 1;
-        if !world.has_partial_coverage() {
-            if world.caster().occluded(&ray) {
-                return Rgb::ZERO;
-            }
-        } else {
-            let end = origin + direction * ray.t_max;
-            while let Some(hit) = world.caster().closest(&ray) {
-                let surface = world.surface(&hit);
-                let Substance::Material(material) = world.substance(hit.instance) else { return Rgb::ZERO };
-                if self.covers(material, &surface) {
-                    return Rgb::ZERO;
-                }
-                ray.origin = leave(&surface, direction);
-                if distance.is_finite() {
-                    ray.t_max = (end - ray.origin).dot(direction);
-                }
-            }
-        }
-        match self.interiors.current() {
-            Some(inside) => inside.sigma_a.map(|s| if s > 0.0 { (-s * distance).exp() } else { 1.0 }),
-            None => Rgb::ONE,
-        }
     }
 
     /// Scatters at a surface that acts where it is hit.
     fn scatter_bsdf(&mut self, material: usize, surface: &SurfacePoint, wo: Vec3) -> Option<Next> {
         let world = &self.renderer.world;
         let around = self.interiors.ior_around(surface.instance);
-        let bsdf = resolve_bsdf(world.scene(), material, surface, around);
+        let bsdf = self.lobes(material, surface, around);
         // Only the boundary of a body knows inside from outside.
         let two_sided = world.interior(surface.instance).is_none();
         let mut orientation = Orientation::new(world.scene(), material, surface, wo, two_sided);
@@ -290,23 +291,23 @@ impl<'a, C: RayCaster> Path<'a, C> {
         };
         if !bsdf.is_delta_only() {
             self.add_direct(place::LIGHT, surface, &receiver, |wi| {
-                bsdf_response(&bsdf, &orientation, &frame, local_wo, wi)
+                response(&bsdf, &orientation, &frame, local_wo, wi)
             });
         }
         let [lobe, u, v, _] = self.stream.quad(self.set(place::SCATTER));
-        let mut sample = bsdf.sample(local_wo, [u, v, lobe])?;
+        let mut sample = bsdf.sample(local_wo, [u, v, lobe], &mut self.random)?;
         let mut direction = frame.to_world(sample.direction);
         if sample.delta && !orientation.agree(direction) {
             // The interpolated normal sends light through the wrong side: use the triangle's own.
             orientation.shading = orientation.geometric;
             let frame = Frame::from_normal(orientation.geometric);
-            sample = bsdf.sample(frame.to_local(wo), [u, v, lobe])?;
+            sample = bsdf.sample(frame.to_local(wo), [u, v, lobe], &mut self.random)?;
             direction = frame.to_world(sample.direction);
         } else if !sample.delta && orientation.folds(direction) {
             if !orientation.agree(direction) {
                 direction = orientation.mirrored(direction);
             }
-            let Response { value, density } = bsdf_response(&bsdf, &orientation, &frame, local_wo, direction);
+            let Response { value, density } = response(&bsdf, &orientation, &frame, local_wo, direction);
             sample.weight = if density > 0.0 { value / density } else { Rgb::ZERO };
             sample.density = density;
         }
@@ -317,168 +318,25 @@ impl<'a, C: RayCaster> Path<'a, C> {
         self.throughput *= sample.weight;
         self.scattered_from = (!sample.delta).then_some(Origin { receiver, density: sample.density });
         if sample.crosses_boundary {
-            let interior = world.interior(surface.instance);
-            match interior {
-                Some(interior) if wo.dot(surface.geometric_normal) > 0.0 => self.interiors.enter(interior),
-                _ => self.interiors.leave(surface.instance),
-            }
+            self.cross(surface, wo.dot(surface.geometric_normal) > 0.0);
         }
         Some(Next { origin: leave(surface, direction), direction })
     }
 
-    /// At a translucent body light is reflected by the boundary, or comes from under the surface.
-    fn scatter_translucent(&mut self, material: usize, surface: &SurfacePoint, wo: Vec3) -> Option<Next> {
-        let scene = self.renderer.world.scene();
-        let orientation = Orientation::new(scene, material, surface, wo, true);
-        let scattering = self.scattering(material, surface)?;
-        let boundary = scattering.boundary;
-        let frame = Frame::from_normal(orientation.shading);
-        let local_wo = frame.to_local(wo);
-        let respond = |wi: Vec3| {
-            let lobe = |wi| boundary.evaluate_reflection(local_wo, frame.to_local(wi));
-            let value: f32 = orientation.unfolded(wi).map(lobe).sum();
-            Response { value: Rgb::splat(value), density: value }
-        };
-        let receiver = orientation.receiver(surface);
-        if !boundary.is_smooth() {
-            self.add_direct(place::LIGHT, surface, &receiver, respond);
-        }
-        // A reflection is drawn and kept with its weight as probability, so that the share E is
-        // reflected and 1 − E enters, both with weight 1, and the density of a direction kept is the lobe's value.
-        let [lobe, u, v, _] = self.stream.quad(self.set(place::SCATTER));
-        let Some(sample) = boundary.sample_reflection(local_wo, [u, v]).filter(|s| lobe < s.weight) else {
-            return self.scatter_below(material, surface, &orientation, &scattering);
-        };
-        let mut direction = frame.to_world(sample.direction);
-        if direction.dot(orientation.geometric) <= 0.0 {
-            // Below the surface by the interpolated normal only: mirror it up, losing nothing.
-            direction = orientation.mirrored(direction);
-        }
-        self.scattered_from =
-            (!boundary.is_smooth()).then(|| Origin { receiver, density: respond(direction).density });
-        Some(Next { origin: leave(surface, direction), direction })
-    }
-
-    fn scattering(&self, material: usize, surface: &SurfacePoint) -> Option<Scattering<'a>> {
+    /// What scatters light at a surface that acts where it is hit.
+    fn lobes(&self, material: usize, surface: &SurfacePoint, around: f32) -> Lobes<'a> {
         let Renderer { world, scatterers, .. } = self.renderer;
-        Some(scatterers[material].as_ref()?.at(
-            self.ior_around(),
-            world.diameter(surface.instance),
-            |input| match input {
-                ScatteringInput::Albedo { albedo, .. } => {
-                    world.scene().color(albedo, surface.texture_coordinates, surface.color)
-                }
-                ScatteringInput::Coefficients { .. } => Rgb::ZERO,
-            },
-        ))
-    }
-
-    /// Index of refraction of what the path is in.
-    fn ior_around(&self) -> f32 {
-        self.interiors.current().map_or(1.0, |i| i.ior)
-    }
-
-    /// The area integral: finds where the light came in, and follows it from there.
-    fn scatter_below(
-        &mut self,
-        material: usize,
-        surface: &SurfacePoint,
-        orientation: &Orientation,
-        scattering: &Scattering<'a>,
-    ) -> Option<Next> {
-        self.throughput *= scattering.local.albedo;
-        if self.throughput.is_black() {
-            return None;
+        let interface = scatterers[material].as_ref().and_then(|s| s.immersed(around).interface());
+        match interface.filter(|interface| !interface.is_smooth()) {
+            Some(interface) => Lobes::Interface(interface),
+            None => Lobes::Bsdf(resolve_bsdf(world.scene(), material, surface, around)),
         }
-        let entry = self.find_entry(material, surface, orientation, scattering)?;
-        self.add_direct(place::ENTRY_LIGHT, &entry.point, &entry.receiver(), |wi| entry.respond(wi));
-        Some(self.leave_entry(&entry))
-    }
-
-    /// Draws where the light that leaves at `surface` came in; the throughput takes its weight.
-    fn find_entry(
-        &mut self,
-        material: usize,
-        surface: &SurfacePoint,
-        orientation: &Orientation,
-        scattering: &Scattering<'a>,
-    ) -> Option<Entry<'a>> {
-        let renderer = self.renderer;
-        let world = &renderer.world;
-        let here = Entry {
-            point: *surface,
-            orientation: *orientation,
-            boundary: scattering.boundary,
-            dependence: None,
-        };
-        if renderer.options.method == Method::Diffuse {
-            return Some(here);
-        }
-        let drawn = match &scattering.spreading {
-            Spreading::Normalized(spread) => self.draw_entry(spread, surface, orientation.geometric),
-            Spreading::Shaped(spread) => self.draw_entry(spread, surface, orientation.geometric),
-        };
-        self.throughput *= drawn.weight;
-        let Some(hit) = drawn.hit else { return Some(here) };
-        let point = world.surface(&hit);
-        let orientation = Orientation::on_side(world.scene(), material, &point, orientation.flipped);
-        if world.has_interiors() {
-            self.interiors = world.interiors_at(leave(&point, orientation.geometric), orientation.geometric);
-        }
-        let immersed = renderer.scatterers[material].as_ref()?.immersed(self.ior_around());
-        let offset = surface.position - point.position;
-        let dependence = immersed.directional().and_then(|table| {
-            DirectionDependence::new(table, &scattering.local, offset, orientation.shading)
-        });
-        Some(Entry { point, orientation, boundary: immersed.boundary(), dependence })
-    }
-
-    /// Draws from the area integral around `surface`.
-    fn draw_entry<P: Profile + Copy>(
-        &mut self,
-        spread: &Spread<P>,
-        surface: &SurfacePoint,
-        normal: Vec3,
-    ) -> EntryPoint {
-        let world = &self.renderer.world;
-        let integral = AreaIntegral {
-            caster: world.caster(),
-            geometric_normal: |hit: &_| world.geometric_normal(hit),
-            instance: surface.instance,
-            spread,
-            channels: Channels::of(self.throughput),
-            position: surface.position,
-            position_error: surface.error.max_element(),
-            normal,
-        };
-        self.counters.area_integrals += 1;
-        integral.sample(&self.stream, self.set(place::PROBE), &mut self.counters.probes)
-    }
-
-    /// Follows the light that came in at `entry` to where it came from.
-    fn leave_entry(&mut self, entry: &Entry) -> Next {
-        let Entry { point, orientation, boundary, .. } = entry;
-        let [u, v, _, _] = self.stream.quad(self.set(place::ENTRY));
-        let mut direction = Frame::from_normal(orientation.shading).to_world(boundary.sample_exit([u, v]));
-        if direction.dot(orientation.geometric) < 0.0 {
-            direction = orientation.mirrored(direction);
-        }
-        let Response { value, density } = entry.respond(direction);
-        self.throughput *= if density > 0.0 { value / density } else { Rgb::ZERO };
-        self.scattered_from = Some(Origin { receiver: entry.receiver(), density });
-        Next { origin: leave(point, direction), direction }
     }
 }
 
 /// The BSDF towards `wi` and the density that samples it, around the shading normal `frame` and folded by
 /// the plane of the triangle.
-fn bsdf_response(
-    bsdf: &Bsdf,
-    orientation: &Orientation,
-    frame: &Frame,
-    local_wo: Vec3,
-    wi: Vec3,
-) -> Response {
+fn response(bsdf: &Lobes, orientation: &Orientation, frame: &Frame, local_wo: Vec3, wi: Vec3) -> Response {
     let mut response = Response { value: Rgb::ZERO, density: 0.0 };
     for direction in orientation.unfolded(wi) {
         let local = frame.to_local(direction);
@@ -486,6 +344,16 @@ fn bsdf_response(
         response.density += bsdf.density(local_wo, local);
     }
     response
+}
+
+/// The albedo asked for at a point, where the input is one.
+fn wanted_albedo(scene: &Scene, input: &ScatteringInput, surface: &SurfacePoint) -> Rgb {
+    match input {
+        ScatteringInput::Albedo { albedo, .. } => {
+            scene.color(albedo, surface.texture_coordinates, surface.color)
+        }
+        ScatteringInput::Coefficients { .. } => Rgb::ZERO,
+    }
 }
 
 /// `surface`'s position moved off it, to the side of `direction`.

@@ -8,13 +8,15 @@ use super::interiors::Interiors;
 use super::light_sampling::LightSampler;
 use super::path::{Path, place};
 use super::scatterer::{Scatterer, ScattererError};
+use super::substance::Substance;
+use super::warnings::warnings;
 use super::world::World;
 use crate::diffusion::{ModelKind, ProfileKind};
 use crate::math::SampleStream;
 use crate::radiometry::Rgb;
 use crate::raycast::{Geometry, RayCaster, RaycastError};
 use crate::scene::camera::CameraRays;
-use crate::scene::{ColorMode, Method, ProfileChoice, ScatteringInput, Scene, Surface};
+use crate::scene::{ColorMode, Light, Method, ProfileChoice, ScatteringInput, Scene, Surface};
 
 /// What a render can be asked for beyond the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,6 +59,10 @@ pub struct Renderer<C> {
     /// By material.
     pub(super) scatterers: Vec<Option<Scatterer>>,
     pub(super) options: RenderOptions,
+    /// Shadow rays may meet surfaces that bend nothing.
+    pub(super) has_passages: bool,
+    /// By instance: some light lies in the bounding box of a body that paths walk in.
+    lit_inside: Vec<bool>,
     camera: CameraRays,
     camera_interiors: Interiors,
 }
@@ -68,23 +74,25 @@ impl<C: RayCaster> Renderer<C> {
         options: RenderOptions,
         build: impl FnOnce(&Geometry) -> Result<C, RaycastError>,
     ) -> Result<Self, RenderError> {
-        check(&options, &scene)?;
+        check(&scene)?;
         clear_bodies_without_scattering(&mut scene);
+        scene.subsurface.method = options.method;
         let camera = scene.camera.rays(scene.film.width as f32 / scene.film.height as f32);
         let world = World::new(scene, build)?;
         let scene = world.scene();
         let lights = LightSampler::new(&world, world.radius());
         let profile = match options.method {
             // None is used, and this one needs no preparation.
-            Method::Diffuse => Some(ProfileKind::Model(ModelKind::NormalizedDiffusion)),
+            Method::Diffuse | Method::Walk => Some(ProfileKind::Model(ModelKind::NormalizedDiffusion)),
             _ => options.profile.kind(),
         };
         let scatterers = (0..scene.materials.len())
             .map(|material| Scatterer::new(scene, material, profile))
-            .collect::<Result<_, _>>()?;
-        // Upwards: any direction would do, and most scenes stand on a floor.
-        let camera_interiors = world.interiors_at(scene.camera.position, Vec3::new(0.02, 0.999_8, 0.005));
-        Ok(Self { world, lights, scatterers, options, camera, camera_interiors })
+            .collect::<Result<Vec<_>, _>>()?;
+        let camera_interiors = interiors_at(&world, &scatterers, scene.camera.position);
+        let has_passages = options.method == Method::Walk && has_passages(&world);
+        let lit_inside = (0..world.substances().len() as u32).map(|i| is_lit_inside(&world, i)).collect();
+        Ok(Self { world, lights, scatterers, options, has_passages, lit_inside, camera, camera_interiors })
     }
 
     /// The scene, lights included as geometry.
@@ -95,7 +103,7 @@ impl<C: RayCaster> Renderer<C> {
     /// The diffusion profiles in use, each once; none where light leaves where it entered.
     pub fn profiles(&self) -> Vec<ProfileKind> {
         let mut profiles = Vec::new();
-        if self.options.method != Method::Diffuse {
+        if !matches!(self.options.method, Method::Diffuse | Method::Walk) {
             for kind in self.scatterers.iter().flatten().flat_map(Scatterer::profiles) {
                 if !profiles.contains(&kind) {
                     profiles.push(kind);
@@ -121,16 +129,72 @@ impl<C: RayCaster> Renderer<C> {
         let ray = self.camera.ray(on_film, [lens_u, lens_v]);
         Path::new(self, stream, self.camera_interiors, counters).radiance(ray.origin, ray.direction)
     }
+
+    /// Radiance, W/(m² sr), that sample number `sample` finds to arrive at `origin` (m) from unit `direction`.
+    pub fn radiance(&self, origin: Vec3, direction: Vec3, sample: u64, counters: &mut Counters) -> Rgb {
+        let stream = SampleStream::new(self.options.seed, u64::MAX, sample);
+        let interiors = interiors_at(&self.world, &self.scatterers, origin);
+        Path::new(self, stream, interiors, counters).radiance(origin, direction)
+    }
+
+    /// What is wrong with the scene as it is rendered, and what is assumed.
+    pub fn warnings(&self) -> Vec<String> {
+        warnings(&self.world)
+    }
+
+    pub(super) fn is_lit_inside(&self, instance: u32) -> bool {
+        self.lit_inside[instance as usize]
+    }
 }
 
-fn check(options: &RenderOptions, scene: &Scene) -> Result<(), RenderError> {
-    if options.method == Method::Walk {
-        return Err(RenderError::Unavailable {
-            option: "method",
-            value: "walk".into(),
-            available: "auto, bssrdf, diffuse",
+/// The bodies around `position`, filled. Where an albedo is textured there is no point of entry to look it up at: its
+/// factor stands for it.
+fn interiors_at<C: RayCaster>(
+    world: &World<C>,
+    scatterers: &[Option<Scatterer>],
+    position: Vec3,
+) -> Interiors {
+    // Upwards: any direction would do, and most scenes stand on a floor.
+    let mut interiors = world.interiors_at(position, Vec3::new(0.02, 0.999_8, 0.005));
+    let around = interiors;
+    for body in interiors.iter_mut().filter(|body| world.is_walked(body.instance)) {
+        let Substance::Material(material) = world.substance(body.instance) else { continue };
+        let Some(scatterer) = &scatterers[material] else { continue };
+        body.medium = scatterer.medium(around.ior_around(body.instance), |input| match input {
+            ScatteringInput::Albedo { albedo, .. } => albedo.factor,
+            ScatteringInput::Coefficients { .. } => Rgb::ZERO,
         });
     }
+    interiors
+}
+
+/// True if there can be surfaces of bodies that light goes straight through.
+fn has_passages<C: RayCaster>(world: &World<C>) -> bool {
+    let mut enterable = world.enterable().iter().filter_map(|&instance| world.interior(instance));
+    world.enterable().len() > 1 || enterable.any(|body| body.ior == 1.0) || !world.flaws().is_empty()
+}
+
+/// True if paths walk in `instance` and a light that has a place lies in its bounding box.
+fn is_lit_inside<C: RayCaster>(world: &World<C>, instance: u32) -> bool {
+    if !world.is_walked(instance) {
+        return false;
+    }
+    let (low, high) = world.bounds(instance);
+    let meets = |(a, b): (Vec3, Vec3)| a.cmple(high).all() && b.cmpge(low).all();
+    let scene = world.scene();
+    let points = scene.lights.iter().any(|light| match *light {
+        Light::Point { position, .. } | Light::Spot { position, .. } => meets((position, position)),
+        _ => false,
+    });
+    let emits = |other: u32| match world.substance(other) {
+        Substance::Light(_) => true,
+        Substance::Material(material) => !scene.materials[material].emission.factor.is_black(),
+    };
+    points
+        || (0..world.substances().len() as u32).any(|i| i != instance && emits(i) && meets(world.bounds(i)))
+}
+
+fn check(scene: &Scene) -> Result<(), RenderError> {
     if scene.render.color_mode == ColorMode::Spectral {
         return Err(RenderError::Unavailable {
             option: "mode",

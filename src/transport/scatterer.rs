@@ -5,10 +5,11 @@ use thiserror::Error;
 use super::form::{Form, FormError, profile_kind};
 use super::spread::{Spread, Spreading, resolvable};
 use crate::diffusion::{DirectionalWeightTable, HalfSpaceError, ModelKind, NormalizedDiffusion, ProfileKind};
+use crate::medium::albedo_inversion::unreduced_share;
 use crate::medium::{Medium, PlanarAlbedo};
-use crate::optics::boundary::Boundary;
+use crate::optics::{Boundary, Interface};
 use crate::radiometry::Rgb;
-use crate::scene::{ScatteringInput, Scene, Surface};
+use crate::scene::{Method, ScatteringInput, Scene, Surface};
 
 /// A material has no such profile.
 #[derive(Debug, Error)]
@@ -24,6 +25,8 @@ pub struct ScattererError {
 pub struct Immersed {
     ior_around: f32,
     boundary: Boundary,
+    /// The boundary for walks.
+    interface: Option<Interface>,
     planar: PlanarAlbedo,
     kind: ProfileKind,
     form: Form,
@@ -73,12 +76,17 @@ impl Immersed {
         let boundary = Boundary::new(eta, roughness * roughness);
         let form = Form::new(kind, &boundary, f64::from(medium.g()))?;
         let planar = PlanarAlbedo::new(eta, medium.g());
-        Ok(Self { ior_around, boundary, planar, kind, form, constant: None })
+        Ok(Self { ior_around, boundary, interface: None, planar, kind, form, constant: None })
     }
 
     /// The boundary.
     pub fn boundary(&self) -> &Boundary {
         &self.boundary
+    }
+
+    /// The boundary, where paths walk inside.
+    pub fn interface(&self) -> Option<&Interface> {
+        self.interface.as_ref()
     }
 
     /// The dependence of the profile on the direction of entry, if it has one.
@@ -104,11 +112,13 @@ impl Scatterer {
             return Ok(None);
         };
         let failed = |problem| ScattererError { material: scene.materials[material].name.clone(), problem };
+        let walks = scene.subsurface.method == Method::Walk;
         let mut around: Vec<f32> = vec![1.0];
         for other in &scene.materials {
             let ior = match &other.surface {
                 Surface::Dielectric { ior, .. } => *ior,
                 Surface::MetallicRoughness(m) => m.ior,
+                Surface::Translucent { ior, .. } if walks => *ior,
                 _ => continue,
             };
             if !around.contains(&ior) {
@@ -128,6 +138,7 @@ impl Scatterer {
             };
             let immersed = Immersed::new(ior_around, eta as f32, *roughness, medium, kind);
             let mut immersed = immersed.map_err(|problem| failed(problem.into()))?;
+            immersed.interface = walks.then(|| Interface::new(eta as f32, roughness * roughness));
             immersed.constant = scatterer.constant(&immersed);
             scatterer.immersed.push(immersed);
         }
@@ -148,7 +159,7 @@ impl Scatterer {
         albedo: impl FnOnce(&ScatteringInput) -> Rgb,
     ) -> Scattering<'_> {
         let immersed = self.immersed(ior_around);
-        let mut local = immersed.constant.unwrap_or_else(|| self.resolve(immersed, albedo(&self.input)));
+        let mut local = self.local_in(immersed, albedo);
         local.length = local.length.map(|length| resolvable(length, diameter));
         let spreading = match &immersed.form {
             Form::Normalized => Spreading::Normalized(Spread::new(
@@ -161,6 +172,26 @@ impl Scatterer {
             }
         };
         Scattering { boundary: &immersed.boundary, local, spreading }
+    }
+
+    /// What scatters at a point of a body inside a medium of index `ior_around`: the medium of which [`Self::at`]
+    /// gives albedo and profile. `albedo` looks up the albedo where it is textured.
+    pub fn medium(&self, ior_around: f32, albedo: impl FnOnce(&ScatteringInput) -> Rgb) -> Medium {
+        match &self.input {
+            ScatteringInput::Coefficients { sigma_a, sigma_s, g } => {
+                Medium { sigma_a: *sigma_a, sigma_s: *sigma_s, g: *g }
+            }
+            ScatteringInput::Albedo { mean_free_path, g, .. } => {
+                let reduced = self.local_in(self.immersed(ior_around), albedo).absorbed;
+                let absorbed = reduced.map(|x| unreduced_share(f64::from(x), f64::from(*g)) as f32);
+                let sigma_t = mean_free_path.map(|l| 1.0 / l);
+                Medium { sigma_a: absorbed * sigma_t, sigma_s: (Rgb::ONE - absorbed) * sigma_t, g: *g }
+            }
+        }
+    }
+
+    fn local_in(&self, immersed: &Immersed, albedo: impl FnOnce(&ScatteringInput) -> Rgb) -> Local {
+        immersed.constant.unwrap_or_else(|| self.resolve(immersed, albedo(&self.input)))
     }
 
     /// The material inside a medium of index `ior_around`.

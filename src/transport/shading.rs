@@ -4,7 +4,8 @@ use glam::{Vec3, Vec4Swizzles};
 
 use super::light_choice::Receiver;
 use super::world::SurfacePoint;
-use crate::optics::{Bsdf, Dielectric, Metal, MetallicRoughness};
+use crate::math::sampler::HashGenerator;
+use crate::optics::{Bsdf, BsdfSample, Dielectric, Interface, Metal, MetallicRoughness};
 use crate::radiometry::Rgb;
 use crate::scene::material::Coverage;
 use crate::scene::{Light, Scene, Surface};
@@ -116,6 +117,56 @@ pub fn emitted(light: &Light, surface: &SurfacePoint, direction: Vec3) -> Rgb {
     }
 }
 
+/// What scatters light at a point of a surface.
+pub enum Lobes<'a> {
+    /// Light is scattered as the material says.
+    Bsdf(Bsdf),
+    /// The boundary of a body that paths walk in.
+    Interface(&'a Interface),
+}
+
+impl Lobes<'_> {
+    /// f·|cos_i|, 1/sr, in the local frame; delta lobes are left out.
+    pub fn evaluate(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        match self {
+            Self::Bsdf(bsdf) => bsdf.evaluate(wo, wi),
+            Self::Interface(interface) => interface.evaluate(wo, wi),
+        }
+    }
+
+    /// Density of [`Self::sample`] per solid angle; delta lobes are left out.
+    pub fn density(&self, wo: Vec3, wi: Vec3) -> f32 {
+        match self {
+            Self::Bsdf(bsdf) => bsdf.density(wo, wi),
+            Self::Interface(interface) => interface.density(wo, wi),
+        }
+    }
+
+    /// Draws where the light that leaves along `wo` comes from, with `u`, or `random` where more numbers may be needed.
+    pub fn sample(&self, wo: Vec3, u: [f32; 3], random: &mut HashGenerator) -> Option<BsdfSample> {
+        match self {
+            Self::Bsdf(bsdf) => bsdf.sample(wo, u),
+            Self::Interface(interface) => interface.sample(wo, || random.next_f32()),
+        }
+    }
+
+    /// True if every lobe is a delta lobe.
+    pub fn is_delta_only(&self) -> bool {
+        match self {
+            Self::Bsdf(bsdf) => bsdf.is_delta_only(),
+            Self::Interface(interface) => interface.is_smooth(),
+        }
+    }
+
+    /// True if light can come from the other side of the surface.
+    pub fn transmits(&self) -> bool {
+        match self {
+            Self::Bsdf(bsdf) => bsdf.transmits(),
+            Self::Interface(_) => true,
+        }
+    }
+}
+
 /// The BSDF at a point of a body surrounded by index `ior_around`.
 pub fn resolve_bsdf(scene: &Scene, material: usize, surface: &SurfacePoint, ior_around: f32) -> Bsdf {
     let color = |input| scene.color(input, surface.texture_coordinates, surface.color);
@@ -141,7 +192,11 @@ pub fn resolve_bsdf(scene: &Scene, material: usize, surface: &SurfacePoint, ior_
             diffuse_transmission_color: reflectance(&m.diffuse_transmission_color),
             thin: m.thin,
         }),
-        // Translucent surfaces act through the area integral.
-        Surface::Translucent { .. } => Bsdf::Diffuse { reflectance: Rgb::ZERO },
+        // Smooth, of a body that paths walk in: rough ones have their `Interface`, and the area integral its boundary.
+        Surface::Translucent { ior, roughness, .. } => Bsdf::Dielectric(Dielectric {
+            eta: ior / ior_around,
+            alpha: roughness * roughness,
+            tint: Rgb::ONE,
+        }),
     }
 }

@@ -3,22 +3,15 @@
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec4};
 
 use crate::math::robust::{interpolation_error, offset_from_surface};
-use crate::radiometry::Rgb;
+use crate::medium::Medium;
 use crate::raycast::{Geometry, Hit, MeshInstance, Ray, RayCaster, RaycastError, TriangleMesh};
 use crate::scene::material::Coverage;
 use crate::scene::shape::light_mesh;
-use crate::scene::{Instance, Scene, Surface};
+use crate::scene::{Instance, Scene};
 
 use super::interiors::{Interior, Interiors};
-
-/// What an instance is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Substance {
-    /// Index into the scene's materials.
-    Material(usize),
-    /// Index into the scene's lights.
-    Light(usize),
-}
+use super::solid::Flaw;
+use super::substance::{Substance, flaws_of_walked, interior_of, is_probed, is_walked};
 
 /// A point on a surface.
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +38,7 @@ pub struct SurfacePoint {
 #[derive(Clone, Copy, Debug)]
 struct Placement {
     identity: bool,
+    /// The winding of its triangles makes their normals point inward.
     mirrored: bool,
 }
 
@@ -59,10 +53,13 @@ pub struct World<C> {
     /// Instances whose boundary lets paths inside, so that where a path is has to be tracked.
     enterable: Vec<u32>,
     has_partial_coverage: bool,
+    /// By instance: what is wrong with the mesh of a body that paths walk in.
+    flaws: Vec<(u32, Flaw)>,
 }
 
 impl<C: RayCaster> World<C> {
-    /// Bakes `scene` and builds the ray caster with `build`.
+    /// Bakes `scene` and builds the ray caster with `build`. Paths enter translucent bodies if the scene's method is to
+    /// walk in them.
     pub fn new(
         mut scene: Scene,
         build: impl FnOnce(&Geometry) -> Result<C, RaycastError>,
@@ -72,12 +69,12 @@ impl<C: RayCaster> World<C> {
         add_lights(&mut scene, &mut substances);
         bake(&mut scene);
         let bounds: Vec<_> = scene.instances.iter().map(|i| bounds_of(&scene, i)).collect();
-        let placements = scene
-            .instances
-            .iter()
-            .map(|i| Placement {
-                identity: i.transform == Affine3A::IDENTITY,
-                mirrored: mirrors(&i.transform),
+        let flaws = flaws_of_walked(&scene, &substances);
+        let placements = (0..)
+            .zip(&scene.instances)
+            .map(|(index, instance)| Placement {
+                identity: instance.transform == Affine3A::IDENTITY,
+                mirrored: mirrors(&instance.transform) != flaws.contains(&(index, Flaw::InsideOut)),
             })
             .collect();
         let caster = {
@@ -93,7 +90,7 @@ impl<C: RayCaster> World<C> {
                 .map(|(instance, substance)| MeshInstance {
                     mesh: instance.mesh,
                     transform: instance.transform,
-                    probed: scatters(&scene, *substance),
+                    probed: is_probed(&scene, *substance),
                 })
                 .collect();
             build(&Geometry { meshes: &meshes, instances: &instances })?
@@ -105,7 +102,7 @@ impl<C: RayCaster> World<C> {
             })
             .collect();
         let has_partial_coverage = scene.materials.iter().any(|m| m.coverage != Coverage::Full);
-        Ok(Self { scene, substances, placements, bounds, caster, enterable, has_partial_coverage })
+        Ok(Self { scene, substances, placements, bounds, caster, enterable, has_partial_coverage, flaws })
     }
 
     /// The scene, with geometry in world space where it is used once.
@@ -149,6 +146,21 @@ impl<C: RayCaster> World<C> {
     /// True if some body lets paths inside.
     pub fn has_interiors(&self) -> bool {
         !self.enterable.is_empty()
+    }
+
+    /// Bodies whose boundary lets paths inside.
+    pub fn enterable(&self) -> &[u32] {
+        &self.enterable
+    }
+
+    /// What is wrong with the meshes of bodies that paths walk in.
+    pub fn flaws(&self) -> &[(u32, Flaw)] {
+        &self.flaws
+    }
+
+    /// True if paths walk inside `instance`.
+    pub fn is_walked(&self, instance: u32) -> bool {
+        is_walked(&self.scene, self.substance(instance))
     }
 
     /// True if some material is not everywhere there.
@@ -243,9 +255,10 @@ impl<C: RayCaster> World<C> {
             let interior = self.interior(hit.instance).filter(|_| in_bounds(hit.instance));
             if interior.is_some() && left.is_first(hit.instance) {
                 open -= 1;
-                if self.geometric_normal(&hit).dot(direction) > 0.0 {
-                    // What is left last lies around what is left first.
-                    found.surround(interior);
+                if self.geometric_normal(&hit).dot(direction) > 0.0
+                    && let Some(interior) = interior
+                {
+                    found.enter(interior);
                 }
             }
             let point = self.surface(&hit);
@@ -254,27 +267,12 @@ impl<C: RayCaster> World<C> {
         found
     }
 
-    /// What is inside `instance`, if paths go there.
+    /// What is inside `instance`, if paths go there; what scatters in it has to be filled in.
     pub fn interior(&self, instance: u32) -> Option<Interior> {
-        match self.substance(instance) {
-            Substance::Material(m) => {
-                interior_of(&self.scene, m).map(|(ior, sigma_a)| Interior { instance, ior, sigma_a })
-            }
-            Substance::Light(_) => None,
-        }
-    }
-}
-
-/// Index and absorption inside bodies of a material whose boundary lets paths in.
-fn interior_of(scene: &Scene, material: usize) -> Option<(f32, Rgb)> {
-    match &scene.materials[material].surface {
-        Surface::Dielectric { ior, sigma_a, .. } => Some((*ior, *sigma_a)),
-        Surface::MetallicRoughness(m)
-            if !m.thin && (m.transmission.factor > 0.0 || m.transmission.texture.is_some()) =>
-        {
-            Some((m.ior, m.sigma_a))
-        }
-        _ => None,
+        let Substance::Material(material) = self.substance(instance) else { return None };
+        let (ior, sigma_a) = interior_of(&self.scene, material)?;
+        let diameter = self.diameter(instance);
+        Some(Interior { instance, diameter, ior, medium: Medium::clear(sigma_a) })
     }
 }
 
@@ -295,10 +293,6 @@ impl Crossed {
         self.count += 1;
         true
     }
-}
-
-fn scatters(scene: &Scene, substance: Substance) -> bool {
-    matches!(substance, Substance::Material(m) if matches!(scene.materials[m].surface, Surface::Translucent { .. }))
 }
 
 /// Gives every light that has a size a mesh, so that rays meet it.

@@ -7,3 +7,4 @@ pub mod bsdfs;
 pub mod cpu_time;
 pub mod scenes;
 pub mod volumetric;
+pub mod walks;

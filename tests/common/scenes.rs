@@ -44,6 +44,14 @@ impl Statistics {
         self.max = self.max.max(x);
     }
 
+    /// Adds the numbers of `other`.
+    pub fn merge(&mut self, other: &Self) {
+        self.count += other.count;
+        self.sum += other.sum;
+        self.squares += other.squares;
+        self.max = self.max.max(other.max);
+    }
+
     pub fn mean(&self) -> f64 {
         self.sum / self.count
     }

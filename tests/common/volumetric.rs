@@ -11,9 +11,14 @@ use alabaster::transport::{Counters, Renderer};
 
 use super::cpu_time::thread_seconds;
 use super::scenes::{Caster, renderer_with};
+use super::walks::walker;
 
 /// Offset in the denominator of relMSE, so that dark pixels count by their absolute error.
 const OFFSET: f64 = 0.01;
+
+/// Share of the object's mean that a lit pixel has at least. In darker ones some rare paths bring the light: their mean
+/// over hundreds of samples is not yet normally distributed.
+const LIT: f64 = 0.1;
 
 /// Independent truth, in row-major pixels from the top.
 pub struct Reference {
@@ -76,9 +81,28 @@ fn read_pixels(path: &PathBuf) -> Vec<ReferencePixel> {
 
 /// Renders the scene of `reference` with a profile, on one thread, and compares.
 pub fn compare(reference: &Reference, profile: ProfileChoice, samples: u64) -> Comparison {
-    let scene = reference.scene.clone();
-    let renderer = renderer_with(scene, profile);
+    let renderer = renderer_with(reference.scene.clone(), profile);
     let (film, cpu_seconds) = render(&renderer, samples);
+    compare_film(reference, &film, cpu_seconds)
+}
+
+/// The same by random walks, and the differences in the pixels that the object covers whole and that are [`LIT`], each
+/// channel of each in units of its standard error (the picture's and the reference's together).
+pub fn compare_walk(reference: &Reference, samples: u64) -> (Comparison, Vec<f64>) {
+    let renderer = walker(reference.scene.clone());
+    let (film, cpu_seconds) = render(&renderer, samples);
+    let comparison = compare_film(reference, &film, cpu_seconds);
+    let mut pulls = Vec::new();
+    for (pixel, truth) in film.rows().zip(&reference.pixels).filter(|(_, truth)| truth.coverage == 1.0) {
+        for c in (0..3).filter(|&c| truth.mean[c] >= LIT * comparison.reference_mean[c]) {
+            let sigma = pixel.variance_of_mean(c).sqrt().hypot(truth.standard_error[c]);
+            pulls.push((f64::from(pixel.mean()[c]) - truth.mean[c]) / sigma);
+        }
+    }
+    (comparison, pulls)
+}
+
+fn compare_film(reference: &Reference, film: &Film, cpu_seconds: f64) -> Comparison {
     let mut comparison = Comparison {
         relative_mse: 0.0,
         relative_mse_of_picture: 0.0,

@@ -1,0 +1,199 @@
+//! What light goes straight through: surfaces that are not there or bend nothing, and what lies between them.
+
+use glam::Vec3;
+
+use super::{Next, Path, leave, place, wanted_albedo};
+use crate::medium::Medium;
+use crate::radiometry::Rgb;
+use crate::raycast::{Ray, RayCaster};
+use crate::transport::interiors::Interior;
+use crate::transport::shading::is_covered;
+use crate::transport::substance::Substance;
+use crate::transport::world::SurfacePoint;
+
+/// Surfaces with partial coverage that one path may pass.
+const MOST_PASSED: u32 = 256;
+
+/// Surfaces that one shadow ray may pass.
+const MOST_CROSSED: u32 = 256;
+
+impl<C: RayCaster> Path<'_, C> {
+    /// True if the surface is there, where it is there in part.
+    pub(super) fn covers(&mut self, material: usize, surface: &SurfacePoint) -> bool {
+        self.passed += 1;
+        if self.passed > MOST_PASSED {
+            return true;
+        }
+        let u = self.stream.quad(place::COVERAGE + self.passed)[0];
+        is_covered(self.renderer.world.scene(), material, surface, u)
+    }
+
+    /// True if a ray in `direction` goes straight through the boundary at `surface`: where indices are equal, where
+    /// another body displaces the one that ends here, and where the path is not on the side that it comes from, because
+    /// parts of a mesh overlap or have holes.
+    pub(super) fn passes(&self, surface: &SurfacePoint, direction: Vec3) -> bool {
+        let world = &self.renderer.world;
+        let Some(body) = world.interior(surface.instance) else { return false };
+        if world.is_walked(surface.instance) {
+            let depth = self.interiors.depth_in(surface.instance);
+            let expected = if direction.dot(surface.geometric_normal) < 0.0 { 0 } else { 1 };
+            if depth != expected || body.ior == self.interiors.ior_around(surface.instance) {
+                return true;
+            }
+        }
+        self.interiors.displacing(body).any(|other| self.bounds(other).contains(surface.position))
+    }
+
+    /// Follows a ray in `direction` straight through the boundary at `surface`.
+    pub(super) fn pass(&mut self, surface: &SurfacePoint, direction: Vec3) -> Option<Next> {
+        self.counts_flight()?;
+        self.cross(surface, direction.dot(surface.geometric_normal) < 0.0);
+        Some(Next { origin: leave(surface, direction), direction })
+    }
+
+    /// Enters or leaves the body of `surface`.
+    pub(super) fn cross(&mut self, surface: &SurfacePoint, inwards: bool) {
+        match self.renderer.world.interior(surface.instance) {
+            Some(mut interior) if inwards => {
+                if let Some(medium) = self.medium_inside(surface) {
+                    interior.medium = medium;
+                }
+                self.interiors.enter(interior);
+            }
+            _ => self.interiors.leave(surface.instance),
+        }
+    }
+
+    /// What scatters in the body of `surface`, if paths walk there. Textures are looked up where light enters.
+    fn medium_inside(&self, surface: &SurfacePoint) -> Option<Medium> {
+        let world = &self.renderer.world;
+        if !world.is_walked(surface.instance) {
+            return None;
+        }
+        let Substance::Material(material) = world.substance(surface.instance) else { return None };
+        let around = self.interiors.ior_around(surface.instance);
+        let scatterer = self.renderer.scatterers[material].as_ref()?;
+        Some(scatterer.medium(around, |input| wanted_albedo(world.scene(), input, surface)))
+    }
+
+    pub(super) fn bounds(&self, body: &Interior) -> Bounds {
+        let (low, high) = self.renderer.world.bounds(body.instance);
+        Bounds { low, high }
+    }
+
+    /// Share of light from `direction`, `distance` away, that arrives at `surface`, on whichever side.
+    pub(super) fn arrival(&mut self, surface: &SurfacePoint, direction: Vec3, distance: f32) -> Rgb {
+        let origin = leave(surface, direction);
+        let world = &self.renderer.world;
+        let inwards = direction.dot(surface.geometric_normal) < 0.0;
+        let crosses = world.has_interiors()
+            && world.interior(surface.instance).is_some()
+            && inwards != (self.interiors.depth_in(surface.instance) > 0);
+        if !crosses {
+            return self.transmittance(origin, direction, distance);
+        }
+        let here = self.interiors;
+        self.cross(surface, inwards);
+        let arrives = self.transmittance(origin, direction, distance);
+        self.interiors = here;
+        arrives
+    }
+
+    /// Share of light that arrives unscattered over `distance`.
+    pub(super) fn transmittance(&mut self, origin: Vec3, direction: Vec3, distance: f32) -> Rgb {
+        let world = &self.renderer.world;
+        // Short of the light, whose own surface would occlude it.
+        let ray = Ray { origin, direction, t_max: distance * (1.0 - 1e-4) };
+        if world.has_partial_coverage() || self.renderer.has_passages {
+            let here = self.interiors;
+            let arrives = self.transmittance_through(ray, distance);
+            self.interiors = here;
+            return arrives.unwrap_or(Rgb::ZERO);
+        }
+        self.counters.rays += 1;
+        if world.caster().occluded(&ray) {
+            return Rgb::ZERO;
+        }
+        self.attenuation(distance)
+    }
+
+    /// The same through surfaces that light passes; the path's interiors become those at its end.
+    fn transmittance_through(&mut self, mut ray: Ray, distance: f32) -> Option<Rgb> {
+        let world = &self.renderer.world;
+        let (direction, end) = (ray.direction, ray.at(ray.t_max));
+        let mut arrives = Rgb::ONE;
+        let mut rest = distance;
+        for _ in 0..MOST_CROSSED {
+            self.counters.rays += 1;
+            let Some(hit) = world.caster().closest(&ray) else {
+                return Some(arrives * self.last_attenuation(ray.origin, direction, rest)?);
+            };
+            let surface = world.surface(&hit);
+            let Substance::Material(material) = world.substance(hit.instance) else { return None };
+            arrives *= self.attenuation(hit.t);
+            if world.has_partial_coverage() && !self.covers(material, &surface) {
+                // Nothing is there.
+            } else if self.renderer.has_passages && self.passes(&surface, direction) {
+                self.cross(&surface, direction.dot(surface.geometric_normal) < 0.0);
+            } else {
+                return None;
+            }
+            ray.origin = leave(&surface, direction);
+            rest -= hit.t;
+            if distance.is_finite() {
+                ray.t_max = (end - ray.origin).dot(direction);
+            }
+        }
+        None
+    }
+
+    /// Attenuation from `origin` to the end of a ray that nothing is in the way of any more.
+    fn last_attenuation(&self, origin: Vec3, direction: Vec3, distance: f32) -> Option<Rgb> {
+        let Some(body) = self.interiors.current().filter(|body| body.medium.scatters()) else {
+            return Some(self.attenuation(distance));
+        };
+        let reach = self.bounds(&body).exit(origin, direction);
+        if distance > reach && body.ior != self.interiors.ior_around(body.instance) {
+            // Through a hole of a body that refracts. Walks find that light.
+            return None;
+        }
+        Some(self.attenuation(distance.min(reach)))
+    }
+
+    /// Share of light that goes on unscattered over `distance` where the path is.
+    fn attenuation(&self, distance: f32) -> Rgb {
+        match self.interiors.current() {
+            Some(body) => body.medium.sigma_t().map(|s| if s > 0.0 { (-s * distance).exp() } else { 1.0 }),
+            None => Rgb::ONE,
+        }
+    }
+}
+
+/// The bounding box of a body.
+#[derive(Clone, Copy)]
+pub(super) struct Bounds {
+    low: Vec3,
+    high: Vec3,
+}
+
+impl Bounds {
+    /// True if `position` is inside, up to the rounding of a flight that ends at a face.
+    pub fn contains(&self, position: Vec3) -> bool {
+        let margin = self.margin();
+        position.cmpge(self.low - margin).all() && position.cmple(self.high + margin).all()
+    }
+
+    /// Distance along unit `direction` at which a ray from inside leaves.
+    pub fn exit(&self, origin: Vec3, direction: Vec3) -> f32 {
+        let face = Vec3::select(direction.cmpgt(Vec3::ZERO), self.high, self.low);
+        // A direction along a face never meets it: 0/0 is left out by `min`.
+        let distances = (face - origin) / direction;
+        distances.to_array().into_iter().fold(f32::INFINITY, f32::min).max(0.0)
+    }
+
+    /// More than the rounding of a position in it, m.
+    pub fn margin(&self) -> f32 {
+        const ROUNDINGS: f32 = 8.0;
+        ROUNDINGS * f32::EPSILON * self.low.abs().max(self.high.abs()).max_element()
+    }
+}

@@ -1,0 +1,195 @@
+//! The random walk: transport inside a scattering body without approximation, collision by collision.
+//!
+//! **Distance.** Channels scatter at different rates, and a path carries all three. The distance to the next collision
+//! is drawn with the coefficient σ_t of one channel, taken in proportion to the light it carries, and weighted by the
+//! mean of the three densities in that proportion (one-sample multiple importance sampling by the balance
+//! heuristic, Veach 1997, section 9.2.4):
+//!
+//! w_c = σ_s,c e^(−σ_t,c t) / Σ_k q_k σ_t,k e^(−σ_t,k t),  q_c = L_c / Σ_k L_k.
+//!
+//! Then Σ_c L_c w_c ≤ Σ_c L_c: the light carried by all channels together never grows, so no channel
+//! ever weighs more than all three did at the start, however long the walk and however unequal the channels.
+//!
+//! **Absorption** is by weight, which roulette turns into an end where little is left.
+//!
+//! **Boundary.** The body's surface is that of [`crate::optics::Dielectric`]: reflection, refraction, total
+//! reflection; nested bodies are those of [`crate::transport::interiors`].
+//!
+//! **Direct light** is drawn at collisions where it can arrive: through a boundary that bends nothing, or from a
+//! light inside the body. Through a rough boundary it is drawn at the boundary. Through a smooth one that refracts a
+//! straight ray never arrives, and a walk finds a light only by leaving towards it.
+
+use glam::Vec3;
+
+use super::{Next, Origin, Path, leave};
+use crate::math::Frame;
+use crate::math::sampler::HashGenerator;
+use crate::medium::Medium;
+use crate::optics::phase::HenyeyGreenstein;
+use crate::radiometry::Rgb;
+use crate::raycast::{Hit, Ray, RayCaster};
+use crate::transport::interiors::Interior;
+use crate::transport::light_choice::Receiver;
+use crate::transport::spread::Channels;
+
+/// Flights in scattering bodies after which a path is given up and counted. Roulette or the way out end it long
+/// before in any body that either absorbs or is less than a thousand free paths thick.
+const LONGEST_WALK: u32 = 1 << 22;
+
+/// Collisions of a walk before roulette may end it.
+const ROULETTE_START: u32 = 4;
+
+/// How a walk ended.
+pub(super) enum Walked {
+    /// The flight that began at `from` met a surface.
+    Met { from: Next, hit: Hit },
+    /// The body has no surface where the path left it.
+    Escaped(Next),
+}
+
+/// The extinction of a medium, by which flights are drawn.
+struct Extinction {
+    sigma_t: Rgb,
+    /// All channels have the same.
+    gray: bool,
+}
+
+/// A flight: how far it goes if nothing is in the way, and by which channels that was drawn.
+struct Flight {
+    distance: f32,
+    drawn_by: usize,
+    channels: Channels,
+}
+
+impl Extinction {
+    fn of(medium: &Medium) -> Self {
+        let sigma_t = medium.sigma_t();
+        Self { sigma_t, gray: sigma_t[0] == sigma_t[1] && sigma_t[0] == sigma_t[2] }
+    }
+
+    /// Draws how far light that is `throughput` goes.
+    fn draw(&self, throughput: Rgb, random: &mut HashGenerator) -> Flight {
+        let channels = Channels::of(throughput);
+        let drawn_by = if self.gray { 0 } else { channels.draw(Rgb::ONE, random.next_f32()) };
+        Flight { distance: random.next_exponential() / self.sigma_t[drawn_by], drawn_by, channels }
+    }
+
+    /// Attenuation over `distance` in units of that of the channel that the flight was drawn by, which neither
+    /// underflows nor, as that channel's flights go, overflows.
+    fn attenuation(&self, flight: &Flight, distance: f32) -> Rgb {
+        let drawn_by = self.sigma_t[flight.drawn_by];
+        self.sigma_t.map(|s| if s == drawn_by { 1.0 } else { ((drawn_by - s) * distance).exp() })
+    }
+
+    /// Weight of a collision at the end of `flight`.
+    fn collision(&self, flight: &Flight, sigma_s: Rgb) -> Rgb {
+        if self.gray {
+            return sigma_s / self.sigma_t[0];
+        }
+        let attenuation = self.attenuation(flight, flight.distance);
+        sigma_s * attenuation / flight.channels.mean(self.sigma_t * attenuation)
+    }
+
+    /// Weight of a flight that goes on at least to `distance`.
+    fn passage(&self, flight: &Flight, distance: f32) -> Rgb {
+        if self.gray {
+            return Rgb::ONE;
+        }
+        let attenuation = self.attenuation(flight, distance);
+        attenuation / flight.channels.mean(attenuation)
+    }
+}
+
+impl<C: RayCaster> Path<'_, C> {
+    /// Walks from `from` in `body` until a flight meets a surface; `None` if the path ends before.
+    pub(super) fn walk(&mut self, mut from: Next, body: &Interior) -> Option<Walked> {
+        let world = &self.renderer.world;
+        let extinction = Extinction::of(&body.medium);
+        let bounds = self.bounds(body);
+        let draws_light = self.draws_light_in(body);
+        for collision in 0.. {
+            self.counts_flight()?;
+            let flight = extinction.draw(self.throughput, &mut self.random);
+            self.counters.rays += 1;
+            // Farther by the rounding of its end, so that no collision comes to lie behind the surface.
+            let t_max = flight.distance + bounds.margin();
+            let hit = world.caster().closest(&Ray { origin: from.origin, direction: from.direction, t_max });
+            let position = match hit {
+                Some(hit) if hit.t <= flight.distance => {
+                    self.throughput *= extinction.passage(&flight, hit.t);
+                    return Some(Walked::Met { from, hit });
+                }
+                Some(hit) => leave(&world.surface(&hit), -from.direction),
+                None => from.origin + from.direction * flight.distance,
+            };
+            if hit.is_none() && !bounds.contains(position) {
+                let distance = bounds.exit(from.origin, from.direction);
+                self.throughput *= extinction.passage(&flight, distance);
+                return Some(Walked::Escaped(self.escape(&from, body, distance)));
+            }
+            self.counters.collisions += 1;
+            self.throughput *= extinction.collision(&flight, body.medium.sigma_s);
+            if !self.plays(collision < ROULETTE_START, |path| path.random.next_f32()) {
+                return None;
+            }
+            from = self.scatter(&body.medium, position, from.direction, draws_light);
+        }
+        None
+    }
+
+    /// Counts a flight; `None`, counted, if the path has had too many.
+    pub(super) fn counts_flight(&mut self) -> Option<()> {
+        self.flights += 1;
+        if self.flights > LONGEST_WALK {
+            self.counters.capped_paths += 1;
+            return None;
+        }
+        Some(())
+    }
+
+    /// Leaves `body` where it has no surface: as power is neither made nor lost there, radiance changes by the squared
+    /// ratio of indices.
+    fn escape(&mut self, from: &Next, body: &Interior, distance: f32) -> Next {
+        self.counters.open_walks += 1;
+        self.interiors.leave(body.instance);
+        self.throughput *= (body.ior / self.interiors.ior()).powi(2);
+        Next { origin: from.origin + from.direction * distance, direction: from.direction }
+    }
+
+    /// True if light drawn at a collision in `body` may arrive there.
+    fn draws_light_in(&self, body: &Interior) -> bool {
+        body.ior == self.interiors.ior_around(body.instance) || self.renderer.is_lit_inside(body.instance)
+    }
+
+    /// Takes a new direction from the phase function, and direct light.
+    fn scatter(&mut self, medium: &Medium, position: Vec3, direction: Vec3, draws_light: bool) -> Next {
+        let phase = HenyeyGreenstein { g: f64::from(medium.g) };
+        let receiver = Receiver { position, normal: None };
+        if draws_light {
+            self.add_direct_inside(phase, &receiver, direction);
+        }
+        let deflection = phase.sample(f64::from(self.random.next_f32()));
+        let (sin, cos) = (std::f32::consts::TAU * self.random.next_f32()).sin_cos();
+        let across = deflection.sin as f32;
+        let local = Vec3::new(across * cos, across * sin, deflection.cos as f32);
+        self.scattered_from =
+            draws_light.then(|| Origin { receiver, density: phase.density(deflection.cos) as f32 });
+        Next { origin: position, direction: Frame::from_normal(direction).to_world(local).normalize() }
+    }
+
+    /// Light drawn directly for a collision of light that would go on in `direction`.
+    fn add_direct_inside(&mut self, phase: HenyeyGreenstein, receiver: &Receiver, direction: Vec3) {
+        let renderer = self.renderer;
+        let u = [self.random.next_f32(), self.random.next_f32(), self.random.next_f32()];
+        let Some(light) = renderer.lights.sample(&renderer.world, receiver, u) else { return };
+        let value = phase.density(f64::from(light.direction.dot(direction))) as f32;
+        let weight = light.density.map_or(1.0, |d| d / (d + value));
+        let contribution = self.throughput * light.value * (value * weight);
+        if !contribution.is_finite() {
+            self.counters.rejected += 1;
+            return;
+        }
+        let arrives = self.transmittance(receiver.position, light.direction, light.distance);
+        self.radiance += contribution * arrives;
+    }
+}

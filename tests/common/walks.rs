@@ -1,0 +1,82 @@
+//! What the tests of the random walk share.
+
+use alabaster::radiometry::Rgb;
+use alabaster::scene::{Mesh, Method, Scene};
+use alabaster::transport::{Counters, RenderOptions, Renderer};
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::scenes::{Caster, Statistics, caster, options};
+
+/// A renderer that walks.
+pub fn walker(scene: Scene) -> Renderer<Caster> {
+    Renderer::new(scene, RenderOptions { method: Method::Walk, ..options() }, caster).unwrap()
+}
+
+/// What many rays found.
+#[derive(Default)]
+pub struct Found {
+    /// By channel.
+    pub radiance: [Statistics; 3],
+    /// All channels of a sample together, which are not independent.
+    pub mean: Statistics,
+    /// Collisions of each path.
+    pub collisions: Statistics,
+    pub counters: Counters,
+}
+
+impl Found {
+    fn add(&mut self, radiance: Rgb) {
+        assert!(radiance.is_finite());
+        self.mean.add(f64::from(radiance.mean()));
+        self.radiance.iter_mut().zip(radiance.0).for_each(|(all, x)| all.add(f64::from(x)));
+    }
+
+    fn merge(&mut self, part: &Self) {
+        self.counters.merge(&part.counters);
+        self.collisions.merge(&part.collisions);
+        self.mean.merge(&part.mean);
+        self.radiance.iter_mut().zip(&part.radiance).for_each(|(all, part)| all.merge(part));
+    }
+}
+
+/// Radiance and collisions for `count` rays, the origin and direction of each by `ray`. The result does not depend
+/// on the number of threads.
+pub fn trace(renderer: &Renderer<Caster>, count: u64, ray: impl Fn(u64) -> (Vec3, Vec3) + Sync) -> Found {
+    const PART: u64 = 1024;
+    let parts: Vec<Found> = (0..count.div_ceil(PART))
+        .into_par_iter()
+        .map(|part| {
+            let mut found = Found::default();
+            for sample in part * PART..((part + 1) * PART).min(count) {
+                let (origin, direction) = ray(sample);
+                let before = found.counters.collisions;
+                let radiance = renderer.radiance(origin, direction, sample, &mut found.counters);
+                found.collisions.add((found.counters.collisions - before) as f64);
+                found.add(radiance);
+            }
+            found
+        })
+        .collect();
+    let mut all = Found::default();
+    parts.iter().for_each(|part| all.merge(part));
+    all
+}
+
+/// Every pixel of the scene's picture, `samples` times.
+pub fn picture(renderer: &Renderer<Caster>, samples: u64) -> Found {
+    let (width, height) = (renderer.scene().film.width, renderer.scene().film.height);
+    let mut found = Found::default();
+    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+        for sample in 0..samples {
+            let radiance = renderer.sample(x, y, sample, &mut found.counters);
+            found.add(radiance);
+        }
+    }
+    found
+}
+
+/// Without interpolated normals: laws of light in polyhedra hold to all digits.
+pub fn faceted(mesh: Mesh) -> Mesh {
+    Mesh { normals: Vec::new(), ..mesh }
+}
