@@ -3,6 +3,7 @@
 use glam::Vec3;
 use thiserror::Error;
 
+use super::clearance::{Clearance, free_path};
 use super::counters::Counters;
 use super::interiors::Interiors;
 use super::light_sampling::LightSampler;
@@ -29,6 +30,9 @@ pub struct RenderOptions {
     pub profile: ProfileChoice,
     /// Longest path in bounces; 0: no limit.
     pub max_depth: u32,
+    /// Whether walks use what is known of free space in bodies: they cast no rays where nothing is to be met, and cross spheres in one step.
+    /// The picture is the same but for noise, which without is more for the time.
+    pub spheres: bool,
 }
 
 /// Why a scene cannot be rendered.
@@ -63,6 +67,8 @@ pub struct Renderer<C> {
     pub(super) has_passages: bool,
     /// By instance: some light lies in the bounding box of a body that paths walk in.
     lit_inside: Vec<bool>,
+    /// By instance: free space in bodies that paths walk in, where it is used.
+    clearances: Vec<Option<Clearance>>,
     camera: CameraRays,
     camera_interiors: Interiors,
 }
@@ -86,13 +92,26 @@ impl<C: RayCaster> Renderer<C> {
             Method::Diffuse | Method::Walk => Some(ProfileKind::Model(ModelKind::NormalizedDiffusion)),
             _ => options.profile.kind(),
         };
-        let scatterers = (0..scene.materials.len())
+        let mut scatterers = (0..scene.materials.len())
             .map(|material| Scatterer::new(scene, material, profile))
             .collect::<Result<Vec<_>, _>>()?;
         let camera_interiors = interiors_at(&world, &scatterers, scene.camera.position);
         let has_passages = options.method == Method::Walk && has_passages(&world);
         let lit_inside = (0..world.substances().len() as u32).map(|i| is_lit_inside(&world, i)).collect();
-        Ok(Self { world, lights, scatterers, options, has_passages, lit_inside, camera, camera_interiors })
+        let clearances: Vec<_> =
+            (0..world.substances().len() as u32).map(|i| clearance(&world, i, &options)).collect();
+        prepare_spheres(&world, &clearances, &mut scatterers);
+        Ok(Self {
+            world,
+            lights,
+            scatterers,
+            options,
+            has_passages,
+            lit_inside,
+            clearances,
+            camera,
+            camera_interiors,
+        })
     }
 
     /// The scene, lights included as geometry.
@@ -145,6 +164,36 @@ impl<C: RayCaster> Renderer<C> {
     pub(super) fn is_lit_inside(&self, instance: u32) -> bool {
         self.lit_inside[instance as usize]
     }
+
+    /// Free space in `instance`, where it is used.
+    pub(super) fn clearance(&self, instance: u32) -> Option<&Clearance> {
+        self.clearances[instance as usize].as_ref()
+    }
+}
+
+/// Prepares the steps on spheres of materials that have bodies in which free space is used.
+fn prepare_spheres<C: RayCaster>(
+    world: &World<C>,
+    clearances: &[Option<Clearance>],
+    scatterers: &mut [Option<Scatterer>],
+) {
+    for (material, scatterer) in scatterers.iter_mut().enumerate() {
+        let of_material = |(substance, clearance): (&Substance, &Option<Clearance>)| {
+            *substance == Substance::Material(material) && clearance.is_some()
+        };
+        if let Some(scatterer) = scatterer
+            && world.substances().iter().zip(clearances).any(of_material)
+        {
+            scatterer.prepare_spheres();
+        }
+    }
+}
+
+/// Free space in `instance`, if it is wanted and worth while.
+fn clearance<C: RayCaster>(world: &World<C>, instance: u32, options: &RenderOptions) -> Option<Clearance> {
+    let near = world.surroundings(instance).filter(|_| options.spheres)?;
+    let (low, high) = world.bounds(instance);
+    Clearance::new(low, high, free_path(world.scene(), world.substance(instance))?, near)
 }
 
 /// The bodies around `position`, filled. Where an albedo is textured there is no point of entry to look it up at: its

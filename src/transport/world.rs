@@ -9,6 +9,7 @@ use crate::scene::material::Coverage;
 use crate::scene::shape::light_mesh;
 use crate::scene::{Instance, Scene};
 
+use super::clearance::surroundings;
 use super::interiors::{Interior, Interiors};
 use super::solid::Flaw;
 use super::substance::{Substance, flaws_of_walked, interior_of, is_probed, is_walked};
@@ -55,6 +56,8 @@ pub struct World<C> {
     has_partial_coverage: bool,
     /// By instance: what is wrong with the mesh of a body that paths walk in.
     flaws: Vec<(u32, Flaw)>,
+    /// By instance: what has surfaces in a body, where it is worth while to know how far they are.
+    surroundings: Vec<Option<Box<[u32]>>>,
 }
 
 impl<C: RayCaster> World<C> {
@@ -77,20 +80,21 @@ impl<C: RayCaster> World<C> {
                 mirrored: mirrors(&instance.transform) != flaws.contains(&(index, Flaw::InsideOut)),
             })
             .collect();
+        let surroundings = surroundings(&scene, &substances, &bounds, &flaws);
+        let is_near = |i: u32| surroundings.iter().flatten().any(|near| near.contains(&i));
         let caster = {
             let meshes: Vec<_> = scene
                 .meshes
                 .iter()
                 .map(|m| TriangleMesh { positions: &m.positions, triangles: &m.triangles })
                 .collect();
-            let instances: Vec<_> = scene
-                .instances
-                .iter()
+            let instances: Vec<_> = (0..)
+                .zip(&scene.instances)
                 .zip(&substances)
-                .map(|(instance, substance)| MeshInstance {
+                .map(|((index, instance), substance)| MeshInstance {
                     mesh: instance.mesh,
                     transform: instance.transform,
-                    probed: is_probed(&scene, *substance),
+                    probed: is_probed(&scene, *substance) || is_near(index),
                 })
                 .collect();
             build(&Geometry { meshes: &meshes, instances: &instances })?
@@ -102,7 +106,17 @@ impl<C: RayCaster> World<C> {
             })
             .collect();
         let has_partial_coverage = scene.materials.iter().any(|m| m.coverage != Coverage::Full);
-        Ok(Self { scene, substances, placements, bounds, caster, enterable, has_partial_coverage, flaws })
+        Ok(Self {
+            scene,
+            substances,
+            placements,
+            bounds,
+            caster,
+            enterable,
+            has_partial_coverage,
+            flaws,
+            surroundings,
+        })
     }
 
     /// The scene, with geometry in world space where it is used once.
@@ -156,6 +170,11 @@ impl<C: RayCaster> World<C> {
     /// What is wrong with the meshes of bodies that paths walk in.
     pub fn flaws(&self) -> &[(u32, Flaw)] {
         &self.flaws
+    }
+
+    /// What has surfaces in `instance`, its own among them, if it is a body so thick that it is worth while to know how far they are.
+    pub fn surroundings(&self, instance: u32) -> Option<&[u32]> {
+        self.surroundings[instance as usize].as_deref()
     }
 
     /// True if paths walk inside `instance`.

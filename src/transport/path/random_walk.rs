@@ -15,6 +15,10 @@
 //! **Boundary.** The body's surface is that of [`crate::optics::Dielectric`]: reflection, refraction, total
 //! reflection; nested bodies are those of [`crate::transport::interiors`].
 //!
+//! **Free space.** A flight that ends nearer than any surface is known to be ([`crate::transport::clearance`]) needs no ray; where scattering is
+//! isotropic and the surface many free paths away, one step on a sphere takes the place of many flights
+//! ([`super::sphere_walk`]).
+//!
 //! **Direct light** is drawn at collisions where it can arrive: through a boundary that bends nothing, or from a
 //! light inside the body. Through a rough boundary it is drawn at the boundary. Through a smooth one that refracts a
 //! straight ray never arrives, and a walk finds a light only by leaving towards it.
@@ -28,6 +32,7 @@ use crate::medium::Medium;
 use crate::optics::phase::HenyeyGreenstein;
 use crate::radiometry::Rgb;
 use crate::raycast::{Hit, Ray, RayCaster};
+use crate::transport::entry::Response;
 use crate::transport::interiors::Interior;
 use crate::transport::light_choice::Receiver;
 use crate::transport::spread::Channels;
@@ -107,13 +112,19 @@ impl<C: RayCaster> Path<'_, C> {
         let extinction = Extinction::of(&body.medium);
         let bounds = self.bounds(body);
         let draws_light = self.draws_light_in(body);
+        let space = self.free_space(body);
+        let mut clear = self.clear_distance(space, from.origin);
         for collision in 0.. {
             self.counts_flight()?;
             let flight = extinction.draw(self.throughput, &mut self.random);
-            self.counters.rays += 1;
-            // Farther by the rounding of its end, so that no collision comes to lie behind the surface.
-            let t_max = flight.distance + bounds.margin();
-            let hit = world.caster().closest(&Ray { origin: from.origin, direction: from.direction, t_max });
+            let hit = if flight.distance < clear {
+                None
+            } else {
+                self.counters.rays += 1;
+                // Farther by the rounding of its end, so that no collision comes to lie behind the surface.
+                let t_max = flight.distance + bounds.margin();
+                world.caster().closest(&Ray { origin: from.origin, direction: from.direction, t_max })
+            };
             let position = match hit {
                 Some(hit) if hit.t <= flight.distance => {
                     self.throughput *= extinction.passage(&flight, hit.t);
@@ -132,7 +143,14 @@ impl<C: RayCaster> Path<'_, C> {
             if !self.plays(collision < ROULETTE_START, |path| path.random.next_f32()) {
                 return None;
             }
-            from = self.scatter(&body.medium, position, from.direction, draws_light);
+            clear = self.clear_distance(space, position);
+            from = match self.cross_sphere(space, position, clear, draws_light) {
+                Some(beyond) => {
+                    clear = self.clear_distance(space, beyond.origin);
+                    beyond
+                }
+                None => self.scatter(&body.medium, position, from.direction, draws_light),
+            };
         }
         None
     }
@@ -166,7 +184,10 @@ impl<C: RayCaster> Path<'_, C> {
         let phase = HenyeyGreenstein { g: f64::from(medium.g) };
         let receiver = Receiver { position, normal: None };
         if draws_light {
-            self.add_direct_inside(phase, &receiver, direction);
+            self.add_direct_inside(&receiver, |wi| {
+                let density = phase.density(f64::from(wi.dot(direction))) as f32;
+                Response { value: Rgb::splat(density), density }
+            });
         }
         let deflection = phase.sample(f64::from(self.random.next_f32()));
         let (sin, cos) = (std::f32::consts::TAU * self.random.next_f32()).sin_cos();
@@ -177,14 +198,17 @@ impl<C: RayCaster> Path<'_, C> {
         Next { origin: position, direction: Frame::from_normal(direction).to_world(local).normalize() }
     }
 
-    /// Light drawn directly for a collision of light that would go on in `direction`.
-    fn add_direct_inside(&mut self, phase: HenyeyGreenstein, receiver: &Receiver, direction: Vec3) {
+    /// Light drawn directly for light that is at `receiver` in the body and would go on as `response` says.
+    pub(super) fn add_direct_inside(&mut self, receiver: &Receiver, response: impl Fn(Vec3) -> Response) {
         let renderer = self.renderer;
         let u = [self.random.next_f32(), self.random.next_f32(), self.random.next_f32()];
         let Some(light) = renderer.lights.sample(&renderer.world, receiver, u) else { return };
-        let value = phase.density(f64::from(light.direction.dot(direction))) as f32;
-        let weight = light.density.map_or(1.0, |d| d / (d + value));
-        let contribution = self.throughput * light.value * (value * weight);
+        let Response { value, density } = response(light.direction);
+        if value.is_black() {
+            return;
+        }
+        let weight = light.density.map_or(1.0, |d| d / (d + density));
+        let contribution = self.throughput * light.value * value * weight;
         if !contribution.is_finite() {
             self.counters.rejected += 1;
             return;
