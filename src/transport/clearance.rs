@@ -1,105 +1,157 @@
-//! Free space in bodies: how far the nearest surface is at least, asked of a grid instead of a ray caster.
+//! Free space in bodies: how far the nearest surface is at least, looked up in a grid instead of asked of a ray caster.
 //!
-//! The distance to the nearest surface changes by no more than a point moves. What it is at the centre of a cell, less
-//! the way from there, is therefore a lower bound for every point of the cell. A cell is filled the first time that a walk asks for it,
-//! by whichever thread; its number does not depend on that. What is asked for most costs one load then, where a ray or a query
-//! in the hierarchy takes a hundred times as long.
+//! Cells that a surface may pass through are marked, and the distance from the centre of each cell to the nearest marked one is kept. A distance
+//! changes by no more than a point moves, so what is kept, less the way from the centre, is a lower bound for every point
+//! of the cell. To look it up costs one load, where a ray or a query in a hierarchy takes a hundred times as long.
 //!
 //! All surfaces count that meet the bounding box of the body, not its own alone: in a sphere that touches none of them
 //! there is one medium, whatever bodies are nested or overlap.
-
-use std::sync::atomic::{AtomicU32, Ordering};
 
 use glam::{UVec3, Vec3};
 
 use super::solid::Flaw;
 use super::substance::{Substance, is_walked};
-use crate::raycast::{DistanceQuery, RayCaster};
+use crate::math::distance_transform::squared_distances;
 use crate::scene::{Scene, Surface};
 
-/// Cells along the longest side of a bounding box.
-const CELLS: f32 = 64.0;
+/// Cells along the longest side of a bounding box, at most: distances must fit into [`Clearance::distances`].
+const MOST_CELLS: f32 = 128.0;
+
+/// Cells of all grids together, two bytes each.
+const BUDGET: f32 = (1 << 24) as f32;
 
 /// The least edge of a cell in mean free paths: what is nearer than that is soon met.
-const LEAST_CELL: f32 = 0.25;
+const LEAST_EDGE: f32 = 0.25;
 
 /// How many mean free paths the shortest side of a body's bounding box must have. In thinner bodies most flights end at the
 /// surface, and nothing is won.
 const LEAST_THICKNESS: f32 = 4.0;
 
-/// A cell that is not filled.
-const UNKNOWN: u32 = 0;
+/// Steps of a distance in an edge of a cell.
+const RESOLUTION: f32 = 256.0;
 
-/// Low bits of a distance that are dropped: equally near triangles give distances that differ by roundings, and which of them is
-/// found depends on how the hierarchy was built.
-const DROPPED_BITS: u32 = 0xfff;
+/// How often a triangle is halved at most, so that no coordinate can hold the program.
+const MOST_HALVINGS: u32 = 64;
+
+/// Roundings of a position that are allowed for.
+const ROUNDINGS: f32 = 16.0;
 
 /// Lower bounds of the distance to the nearest surface, from points in a bounding box.
 pub struct Clearance {
+    grid: Grid,
+    /// Distances from the centres of the cells to a marked one, rounded down, in edges over [`RESOLUTION`].
+    distances: Box<[u16]>,
+}
+
+/// Cubic cells in a box.
+struct Grid {
     low: Vec3,
     /// Edge of a cell, m.
     edge: f32,
     cells_per_length: f32,
     counts: UVec3,
-    /// Distances from the centres of the cells in single precision, by bits.
-    cells: Box<[AtomicU32]>,
     /// More than the rounding of a position, m.
     margin: f32,
-    /// What has surfaces in the box.
-    instances: Box<[u32]>,
 }
 
 impl Clearance {
     /// Of the points in the box from `low` to `high` (m), in which light flies `free_path` (m) between collisions,
-    /// from the surfaces of `instances`. None if no number of cells would do.
-    pub fn new(low: Vec3, high: Vec3, free_path: f32, instances: &[u32]) -> Option<Self> {
-        let size = high - low;
-        let edge = (size.max_element() / CELLS).max(LEAST_CELL * free_path);
-        if !(size.min_element() > 0.0 && edge > 0.0 && edge.is_finite()) {
-            return None;
-        }
-        let cells_per_length = 1.0 / edge;
-        let counts = (size * cells_per_length).ceil().as_uvec3().max(UVec3::ONE);
-        let total: usize = counts.to_array().into_iter().map(|count| count as usize).product();
-        const ROUNDINGS: f32 = 16.0;
-        Some(Self {
-            low,
-            edge,
-            cells_per_length,
-            counts,
-            cells: (0..total).map(|_| AtomicU32::new(UNKNOWN)).collect(),
-            margin: ROUNDINGS * f32::EPSILON * low.abs().max(high.abs()).max_element(),
-            instances: instances.into(),
-        })
+    /// from `triangles`; one of `bodies` that have such a grid. None if no number of cells would do.
+    pub fn new(
+        [low, high]: [Vec3; 2],
+        free_path: f32,
+        bodies: usize,
+        triangles: impl Iterator<Item = [Vec3; 3]>,
+    ) -> Option<Self> {
+        let grid = Grid::new(low, high, free_path, bodies)?;
+        let mut marked = vec![false; grid.counts.as_u64vec3().element_product() as usize];
+        triangles.for_each(|triangle| grid.mark(triangle, grid.slack(triangle), &mut marked, 0));
+        let squares = squared_distances(&marked, grid.counts.to_array().map(|count| count as usize));
+        // Rounded down, that of the root included.
+        let distance = |square: f32| (square.sqrt() * (RESOLUTION * (1.0 - 2.0 * f32::EPSILON))) as u16;
+        Some(Self { grid, distances: squares.into_iter().map(distance).collect() })
     }
 
     /// A distance, m, within which there is no surface around `point`, which is in the box; 0 or less where none is
     /// known. It leaves room for the rounding of a point at that distance.
-    pub fn around<C: RayCaster>(&self, point: Vec3, caster: &C) -> f32 {
-        // Points outside, by rounding, belong to the next cell.
-        let cell = ((point - self.low) * self.cells_per_length).as_uvec3().min(self.counts - 1);
-        let center = self.low + (cell.as_vec3() + 0.5) * self.edge;
-        let index = (cell.z * self.counts.y + cell.y) * self.counts.x + cell.x;
-        let slot = &self.cells[index as usize];
-        let bits = match slot.load(Ordering::Relaxed) {
-            UNKNOWN => self.fill(slot, center, caster),
-            known => known,
-        };
-        f32::from_bits(bits) - point.distance(center) - self.margin
+    pub fn around(&self, point: Vec3) -> f32 {
+        let Grid { low, edge, margin, .. } = self.grid;
+        let cell = self.grid.cell(point);
+        let center = low + (cell.as_vec3() + 0.5) * edge;
+        let distance = f32::from(self.distances[self.grid.index(cell)]) * (edge / RESOLUTION);
+        distance - point.distance(center) - margin
+    }
+}
+
+impl Grid {
+    fn new(low: Vec3, high: Vec3, free_path: f32, bodies: usize) -> Option<Self> {
+        let size = high - low;
+        let most = (BUDGET / bodies as f32).cbrt().clamp(1.0, MOST_CELLS);
+        let edge = (size.max_element() / most).max(LEAST_EDGE * free_path);
+        if !(size.min_element() > 0.0 && edge > 0.0 && edge.is_finite()) {
+            return None;
+        }
+        let cells_per_length = 1.0 / edge;
+        Some(Self {
+            low,
+            edge,
+            cells_per_length,
+            counts: (size * cells_per_length)
+                .ceil()
+                .as_uvec3()
+                .clamp(UVec3::ONE, UVec3::splat(MOST_CELLS as u32)),
+            margin: ROUNDINGS * f32::EPSILON * low.abs().max(high.abs()).max_element(),
+        })
     }
 
-    /// Finds the distance from `center`. Two threads may do so at once: they find the same.
-    #[cold]
-    fn fill<C: RayCaster>(&self, slot: &AtomicU32, center: Vec3, caster: &C) -> u32 {
-        // Where the surface is nearer than half an edge, points far from the centre learn nothing.
-        let least = 0.5 * self.edge;
-        let distance = self.instances.iter().fold(f32::MAX, |limit, &instance| {
-            let query = DistanceQuery { point: center, limit, least, tolerance: 0.0 };
-            caster.distance_to_nearest(&query, instance).min(limit)
-        });
-        let bits = (distance.to_bits() & !DROPPED_BITS).max(f32::MIN_POSITIVE.to_bits());
-        slot.store(bits, Ordering::Relaxed);
-        bits
+    /// The cell of `point`; the nearest along each axis if it is outside.
+    fn cell(&self, point: Vec3) -> UVec3 {
+        ((point - self.low) * self.cells_per_length).as_uvec3().min(self.counts - 1)
+    }
+
+    fn index(&self, cell: UVec3) -> usize {
+        ((cell.z * self.counts.y + cell.y) * self.counts.x + cell.x) as usize
+    }
+
+    /// More than the rounding of a point of `triangle` or in the box, m.
+    fn slack(&self, triangle: [Vec3; 3]) -> f32 {
+        let largest = triangle.map(|corner| corner.abs().max_element()).into_iter().fold(0.0, f32::max);
+        self.margin.max(ROUNDINGS * f32::EPSILON * largest)
+    }
+
+    /// Marks the cells that a triangle may pass through: those within `slack` of the boxes around parts of it that are no larger than half
+    /// a cell, or around the whole of it.
+    fn mark(&self, triangle: [Vec3; 3], slack: f32, marked: &mut [bool], halvings: u32) {
+        let [a, b, c] = triangle;
+        let (low, high) = (a.min(b).min(c) - slack, a.max(b).max(c) + slack);
+        let end = self.low + self.counts.as_vec3() * self.edge;
+        if high.cmplt(self.low).any() || low.cmpgt(end).any() {
+            return;
+        }
+        let [ab, bc, ca] = [a.distance_squared(b), b.distance_squared(c), c.distance_squared(a)];
+        let longest = ab.max(bc).max(ca);
+        if longest > 0.25 * self.edge * self.edge && halvings < MOST_HALVINGS {
+            // Begins with the longest edge.
+            let [a, b, c] = if ab == longest {
+                [a, b, c]
+            } else if bc == longest {
+                [b, c, a]
+            } else {
+                [c, a, b]
+            };
+            let middle = a.midpoint(b);
+            self.mark([a, middle, c], slack, marked, halvings + 1);
+            self.mark([middle, b, c], slack, marked, halvings + 1);
+            return;
+        }
+        let (first, last) = (self.cell(low), self.cell(high));
+        for z in first.z..=last.z {
+            for y in first.y..=last.y {
+                for x in first.x..=last.x {
+                    marked[self.index(UVec3::new(x, y, z))] = true;
+                }
+            }
+        }
     }
 }
 
@@ -147,45 +199,50 @@ mod tests {
     use super::*;
     use crate::math::sampler::HashGenerator;
     use crate::raycast::bvh::BvhCaster;
-    use crate::raycast::{Geometry, MeshInstance, TriangleMesh};
+    use crate::raycast::{DistanceQuery, Geometry, MeshInstance, RayCaster, TriangleMesh};
     use crate::scene::shape;
-    use glam::Affine3A;
+    use glam::{Affine3A, Quat};
 
-    /// A body with another in it, off the origin.
+    /// A body with a turned box in it, off the origin.
     #[test]
     fn no_surface_is_nearer_and_little_is_given_away() {
         let outer = shape::sphere(Vec3::new(30.0, 0.0, 0.0), 1.0, 4);
-        let inner = shape::cuboid(Vec3::new(30.5, 0.0, 0.0), Vec3::splat(0.3));
-        let meshes = [&outer, &inner]
-            .map(|mesh| TriangleMesh { positions: &mesh.positions, triangles: &mesh.triangles });
-        let instances =
-            [0, 1].map(|mesh| MeshInstance { mesh, transform: Affine3A::IDENTITY, probed: true });
-        let caster = BvhCaster::new(&Geometry { meshes: &meshes, instances: &instances }).unwrap();
+        let mut inner = shape::cuboid(Vec3::new(30.3, 0.1, 0.0), Vec3::splat(0.4));
+        inner.positions.iter_mut().for_each(|p| *p = Quat::from_rotation_x(0.7) * *p);
+        let meshes = [&outer, &inner];
+        let views =
+            meshes.map(|mesh| TriangleMesh { positions: &mesh.positions, triangles: &mesh.triangles });
+        let instances = [0, 1].map(|mesh| MeshInstance { mesh, transform: Affine3A::IDENTITY, probed: true });
+        let caster = BvhCaster::new(&Geometry { meshes: &views, instances: &instances }).unwrap();
         let (low, high) = (Vec3::new(29.0, -1.0, -1.0), Vec3::new(31.0, 1.0, 1.0));
-        let clearance = Clearance::new(low, high, 0.01, &[0, 1]).unwrap();
+        let corners =
+            meshes.into_iter().flat_map(|m| m.triangles.iter().map(|t| t.map(|v| m.positions[v as usize])));
+        let clearance = Clearance::new([low, high], 0.01, 1, corners).unwrap();
         let mut random = HashGenerator::new(1);
-        // Half the diagonal of a cell each way, and the 12 bits dropped.
-        let given_away = 2.0 * 0.5 * 3.0_f32.sqrt() * clearance.edge + 1e-3;
+        // The diagonals of the marked cell, of half a cell that the box of a part of a triangle is larger, and of half a cell to the centre, there and back.
+        let given_away = 2.5 * 3.0_f32.sqrt() * clearance.grid.edge;
         for _ in 0..20_000 {
             let point = low + Vec3::from_array([(); 3].map(|()| random.next_f32())) * (high - low);
             let exact = [0, 1]
                 .map(|i| caster.distance_to_nearest(&DistanceQuery::exact(point), i))
                 .into_iter()
                 .fold(f32::INFINITY, f32::min);
-            let bound = clearance.around(point, &caster);
+            let bound = clearance.around(point);
             assert!(bound < exact, "{bound} {exact}");
-            // Near the surface nothing is known.
-            assert!(bound > exact - given_away || exact < given_away + 0.5 * clearance.edge, "{bound} {exact}");
+            assert!(bound > exact - given_away, "{bound} {exact}");
         }
     }
 
     #[test]
     fn boxes_without_volume_and_numbers_that_are_none_have_no_grid() {
-        let at = |size: Vec3, free_path| Clearance::new(Vec3::ZERO, size, free_path, &[]).is_some();
+        let at = |size: Vec3, free_path| {
+            Clearance::new([Vec3::ZERO, size], free_path, 1, [].into_iter()).is_some()
+        };
         assert!(at(Vec3::ONE, 0.01));
         assert!(!at(Vec3::new(1.0, 0.0, 1.0), 0.01));
         assert!(!at(Vec3::new(1.0, f32::NAN, 1.0), 0.01));
         assert!(!at(Vec3::ONE, f32::INFINITY));
         assert!(!at(Vec3::splat(f32::INFINITY), 0.01));
+        assert!(Grid::new(Vec3::ZERO, Vec3::ONE, 0.01, 100_000).unwrap().counts.element_product() < 200);
     }
 }

@@ -98,8 +98,7 @@ impl<C: RayCaster> Renderer<C> {
         let camera_interiors = interiors_at(&world, &scatterers, scene.camera.position);
         let has_passages = options.method == Method::Walk && has_passages(&world);
         let lit_inside = (0..world.substances().len() as u32).map(|i| is_lit_inside(&world, i)).collect();
-        let clearances: Vec<_> =
-            (0..world.substances().len() as u32).map(|i| clearance(&world, i, &options)).collect();
+        let clearances = clearances(&world, options.spheres);
         prepare_spheres(&world, &clearances, &mut scatterers);
         Ok(Self {
             world,
@@ -189,11 +188,18 @@ fn prepare_spheres<C: RayCaster>(
     }
 }
 
-/// Free space in `instance`, if it is wanted and worth while.
-fn clearance<C: RayCaster>(world: &World<C>, instance: u32, options: &RenderOptions) -> Option<Clearance> {
-    let near = world.surroundings(instance).filter(|_| options.spheres)?;
-    let (low, high) = world.bounds(instance);
-    Clearance::new(low, high, free_path(world.scene(), world.substance(instance))?, near)
+/// By instance: free space in bodies where it is `wanted` and worth while.
+fn clearances<C: RayCaster>(world: &World<C>, wanted: bool) -> Vec<Option<Clearance>> {
+    let instances = 0..world.substances().len() as u32;
+    let bodies = instances.clone().filter(|&i| wanted && world.surroundings(i).is_some()).count();
+    let clearance = |instance: u32| {
+        let near = world.surroundings(instance).filter(|_| wanted)?;
+        let (low, high) = world.bounds(instance);
+        let free_path = free_path(world.scene(), world.substance(instance))?;
+        let triangles = near.iter().flat_map(|&other| world.triangles(other));
+        Clearance::new([low, high], free_path, bodies, triangles)
+    };
+    instances.map(clearance).collect()
 }
 
 /// The bodies around `position`, filled. Where an albedo is textured there is no point of entry to look it up at: its

@@ -79,16 +79,7 @@ impl Immersed {
         let boundary = Boundary::new(eta, roughness * roughness);
         let form = Form::new(kind, &boundary, f64::from(medium.g()))?;
         let planar = PlanarAlbedo::new(eta, medium.g());
-        Ok(Self {
-            ior_around,
-            boundary,
-            interface: None,
-            planar,
-            kind,
-            form,
-            constant: None,
-            spheres: None,
-        })
+        Ok(Self { ior_around, boundary, interface: None, planar, kind, form, constant: None, spheres: None })
     }
 
     /// The boundary.

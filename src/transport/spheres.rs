@@ -62,7 +62,13 @@ impl Spheres {
     /// sphere is too small for another one.
     pub fn least_radius(&self, throughput: Rgb) -> f32 {
         let [r, g, b] = throughput.0;
-        let lead = if r >= g && r >= b { 0 } else if g >= b { 1 } else { 2 };
+        let lead = if r >= g && r >= b {
+            0
+        } else if g >= b {
+            1
+        } else {
+            2
+        };
         (PAYS_FROM / self.sigma_t[lead]).max(LEAST_RADIUS / self.sigma_t.min_component())
     }
 
@@ -84,7 +90,8 @@ impl Departures<'_> {
 
     /// Draws an exit.
     pub fn sample(&self, random: &mut HashGenerator) -> Exit {
-        let channel = if self.gray { 0 } else { Channels::of(self.surviving).draw(Rgb::ONE, random.next_f32()) };
+        let channel =
+            if self.gray { 0 } else { Channels::of(self.surviving).draw(Rgb::ONE, random.next_f32()) };
         self.channels[channel].sample(random.next_f32())
     }
 

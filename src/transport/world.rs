@@ -81,20 +81,20 @@ impl<C: RayCaster> World<C> {
             })
             .collect();
         let surroundings = surroundings(&scene, &substances, &bounds, &flaws);
-        let is_near = |i: u32| surroundings.iter().flatten().any(|near| near.contains(&i));
         let caster = {
             let meshes: Vec<_> = scene
                 .meshes
                 .iter()
                 .map(|m| TriangleMesh { positions: &m.positions, triangles: &m.triangles })
                 .collect();
-            let instances: Vec<_> = (0..)
-                .zip(&scene.instances)
+            let instances: Vec<_> = scene
+                .instances
+                .iter()
                 .zip(&substances)
-                .map(|((index, instance), substance)| MeshInstance {
+                .map(|(instance, substance)| MeshInstance {
                     mesh: instance.mesh,
                     transform: instance.transform,
-                    probed: is_probed(&scene, *substance) || is_near(index),
+                    probed: is_probed(&scene, *substance),
                 })
                 .collect();
             build(&Geometry { meshes: &meshes, instances: &instances })?
@@ -185,6 +185,13 @@ impl<C: RayCaster> World<C> {
     /// True if some material is not everywhere there.
     pub fn has_partial_coverage(&self) -> bool {
         self.has_partial_coverage
+    }
+
+    /// World-space corners of all triangles of an instance.
+    pub fn triangles(&self, instance: u32) -> impl Iterator<Item = [Vec3; 3]> {
+        let mesh = self.scene.instances[instance as usize].mesh;
+        let count = self.scene.meshes[mesh].triangles.len() as u32;
+        (0..count).map(move |primitive| self.corners(instance, primitive))
     }
 
     /// World-space corners of a triangle, in the winding that makes its normal point outward.

@@ -53,7 +53,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
 
     /// A distance, m, from `point` within which there is no surface; 0 or less where none is known.
     pub(super) fn clear_distance(&self, space: FreeSpace, point: Vec3) -> f32 {
-        space.clearance.map_or(0.0, |clearance| clearance.around(point, self.renderer.world.caster()))
+        space.clearance.map_or(0.0, |clearance| clearance.around(point))
     }
 
     /// After a collision at `center`, `clear` away from any surface: to the surface of a sphere of that radius. `None` if it would
@@ -71,7 +71,12 @@ impl<'a, C: RayCaster> Path<'a, C> {
         let normal = warp::square_to_cone(self.random.next_f32(), self.random.next_f32(), 2.0);
         let place = center + normal * clear;
         if draws_light {
-            self.add_direct_beyond(&departures, center, place, normal);
+            self.add_direct_inside(&at(center), clear, |_| isotropic());
+            let beyond = self.clear_distance(space, place);
+            self.add_direct_inside(&at(place), beyond, |direction| {
+                let (sin, cos) = (normal.cross(direction).length(), normal.dot(direction));
+                per_solid_angle(&departures, sin.atan2(cos), sin)
+            });
         }
         let exit = departures.sample(&mut self.random);
         let direction = match exit {
@@ -91,15 +96,6 @@ impl<'a, C: RayCaster> Path<'a, C> {
         });
         self.throughput = departures.carried(exit);
         Some(Next { origin: place, direction })
-    }
-
-    /// Light drawn directly for what leaves a sphere unscattered, and for what leaves it otherwise at `place`.
-    fn add_direct_beyond(&mut self, departures: &Departures, center: Vec3, place: Vec3, normal: Vec3) {
-        self.add_direct_inside(&at(center), |_| isotropic());
-        self.add_direct_inside(&at(place), |direction| {
-            let (sin, cos) = (normal.cross(direction).length(), normal.dot(direction));
-            per_solid_angle(departures, sin.atan2(cos), sin)
-        });
     }
 }
 
