@@ -87,7 +87,7 @@ fn steps_on_spheres_change_no_mean() {
 /// Lights without size are found by nothing but direct light, so that all that a sphere hides has to be drawn for it.
 #[test]
 fn direct_light_is_drawn_for_what_scattered_in_a_sphere() {
-    let mut scene = lit(shape::sphere(Vec3::ZERO, 1.0, 5), colored(1.0, 0.0, [1.0, 0.99, 0.9], 8.0));
+    let mut scene = lit(shape::sphere(Vec3::ZERO, 1.0, 5), colored(1.0, 0.0, [1.0, 0.99, 0.9], 12.0));
     scene.environment = None;
     scene.lights = vec![
         Light::Point { position: Vec3::new(1.0, 1.2, 0.3), intensity: Rgb::splat(3.0) },

@@ -12,10 +12,11 @@ use glam::{UVec3, Vec3};
 use super::solid::Flaw;
 use super::substance::{Substance, is_walked};
 use crate::math::distance_transform::squared_distances;
+use crate::medium::Medium;
 use crate::scene::{Scene, Surface};
 
 /// Cells along the longest side of a bounding box, at most: distances must fit into [`Clearance::distances`].
-const MOST_CELLS: f32 = 128.0;
+const MOST_CELLS: f32 = 160.0;
 
 /// Cells of all grids together, two bytes each.
 const BUDGET: f32 = (1 << 24) as f32;
@@ -24,11 +25,11 @@ const BUDGET: f32 = (1 << 24) as f32;
 const LEAST_EDGE: f32 = 0.25;
 
 /// How many mean free paths the shortest side of a body's bounding box must have. In thinner bodies most flights end at the
-/// surface, and nothing is won.
-const LEAST_THICKNESS: f32 = 4.0;
+/// surface, and nothing is won (`benches/sphere_walk.rs`: at 10 nothing yet, at 20 a tenth and more).
+const LEAST_THICKNESS: f32 = 12.0;
 
 /// Steps of a distance in an edge of a cell.
-const RESOLUTION: f32 = 256.0;
+const RESOLUTION: f32 = 128.0;
 
 /// How often a triangle is halved at most, so that no coordinate can hold the program.
 const MOST_HALVINGS: u32 = 64;
@@ -55,16 +56,19 @@ struct Grid {
 }
 
 impl Clearance {
-    /// Of the points in the box from `low` to `high` (m), in which light flies `free_path` (m) between collisions,
-    /// from `triangles`; one of `bodies` that have such a grid. None if no number of cells would do.
+    /// Of the points in the box from `low` to `high` (m) around one of `bodies` that have such a grid, from `triangles`. The body is filled with
+    /// `medium`. None if no number of cells would do, or light gets no deeper than a cell.
     pub fn new(
         [low, high]: [Vec3; 2],
-        free_path: f32,
+        medium: &Medium,
         bodies: usize,
         triangles: impl Iterator<Item = [Vec3; 3]>,
     ) -> Option<Self> {
-        let grid = Grid::new(low, high, free_path, bodies)?;
-        let mut marked = vec![false; grid.counts.as_u64vec3().element_product() as usize];
+        let grid = Grid::new(low, high, 1.0 / medium.sigma_t().min_component(), bodies)?;
+        if grid.edge > depth(medium) {
+            return None;
+        }
+        let mut marked = vec![false; grid.counts.to_array().map(|count| count as usize).iter().product()];
         triangles.for_each(|triangle| grid.mark(triangle, grid.slack(triangle), &mut marked, 0));
         let squares = squared_distances(&marked, grid.counts.to_array().map(|count| count as usize));
         // Rounded down, that of the root included.
@@ -175,29 +179,28 @@ pub(super) fn surroundings(
         .collect()
 }
 
+/// How deep light gets, m: the diffusion length 1/√(3 σ_a σ_t') of the channel in which that is longest; at least a mean free path.
+fn depth(medium: &Medium) -> f32 {
+    let length = medium.sigma_a.zip(medium.sigma_t_reduced(), |a, t| 1.0 / (3.0 * a * t).sqrt());
+    length.zip(medium.sigma_t(), |length, t| length.max(1.0 / t)).max_component()
+}
+
 /// True if paths walk in `substance` and a body of it with this bounding box is many mean free paths thick, in all
 /// channels.
 fn is_thick(scene: &Scene, substance: Substance, (low, high): (Vec3, Vec3)) -> bool {
     if !is_walked(scene, substance) {
         return false;
     }
-    free_path(scene, substance)
-        .is_some_and(|free_path| (high - low).min_element() >= LEAST_THICKNESS * free_path)
-}
-
-/// The mean free path in `substance`, of the channel that has the longest, m; `None` if it does not scatter.
-pub(super) fn free_path(scene: &Scene, substance: Substance) -> Option<f32> {
-    let Substance::Material(material) = substance else { return None };
-    match &scene.materials[material].surface {
-        Surface::Translucent { medium, .. } => Some(1.0 / medium.sigma_t().min_component()),
-        _ => None,
-    }
+    let Substance::Material(material) = substance else { return false };
+    let Surface::Translucent { medium, .. } = &scene.materials[material].surface else { return false };
+    (high - low).min_element() * medium.sigma_t().min_component() >= LEAST_THICKNESS
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::math::sampler::HashGenerator;
+    use crate::radiometry::Rgb;
     use crate::raycast::bvh::BvhCaster;
     use crate::raycast::{DistanceQuery, Geometry, MeshInstance, RayCaster, TriangleMesh};
     use crate::scene::shape;
@@ -217,7 +220,7 @@ mod tests {
         let (low, high) = (Vec3::new(29.0, -1.0, -1.0), Vec3::new(31.0, 1.0, 1.0));
         let corners =
             meshes.into_iter().flat_map(|m| m.triangles.iter().map(|t| t.map(|v| m.positions[v as usize])));
-        let clearance = Clearance::new([low, high], 0.01, 1, corners).unwrap();
+        let clearance = Clearance::new([low, high], &medium(100.0), 1, corners).unwrap();
         let mut random = HashGenerator::new(1);
         // The diagonals of the marked cell, of half a cell that the box of a part of a triangle is larger, and of half a cell to the centre, there and back.
         let given_away = 2.5 * 3.0_f32.sqrt() * clearance.grid.edge;
@@ -233,16 +236,22 @@ mod tests {
         }
     }
 
+    fn medium(sigma_s: f32) -> Medium {
+        Medium { sigma_a: Rgb::ZERO, sigma_s: Rgb::splat(sigma_s), g: 0.0 }
+    }
+
     #[test]
     fn boxes_without_volume_and_numbers_that_are_none_have_no_grid() {
-        let at = |size: Vec3, free_path| {
-            Clearance::new([Vec3::ZERO, size], free_path, 1, [].into_iter()).is_some()
+        let at = |size: Vec3, medium: Medium| {
+            Clearance::new([Vec3::ZERO, size], &medium, 1, [].into_iter()).is_some()
         };
-        assert!(at(Vec3::ONE, 0.01));
-        assert!(!at(Vec3::new(1.0, 0.0, 1.0), 0.01));
-        assert!(!at(Vec3::new(1.0, f32::NAN, 1.0), 0.01));
-        assert!(!at(Vec3::ONE, f32::INFINITY));
-        assert!(!at(Vec3::splat(f32::INFINITY), 0.01));
+        assert!(at(Vec3::ONE, medium(100.0)));
+        assert!(!at(Vec3::new(1.0, 0.0, 1.0), medium(100.0)));
+        assert!(!at(Vec3::new(1.0, f32::NAN, 1.0), medium(100.0)));
+        assert!(!at(Vec3::ONE, medium(0.0)));
+        assert!(!at(Vec3::splat(f32::INFINITY), medium(100.0)));
+        // A cell is 10 free paths then, and light gets through one.
+        assert!(!at(Vec3::ONE, Medium { sigma_a: Rgb::splat(1600.0), ..medium(1.0) }));
         assert!(Grid::new(Vec3::ZERO, Vec3::ONE, 0.01, 100_000).unwrap().counts.element_product() < 200);
     }
 }

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use thiserror::Error;
 
-use super::clearance::{Clearance, free_path};
+use super::clearance::Clearance;
 use super::counters::Counters;
 use super::interiors::Interiors;
 use super::light_sampling::LightSampler;
@@ -98,7 +98,7 @@ impl<C: RayCaster> Renderer<C> {
         let camera_interiors = interiors_at(&world, &scatterers, scene.camera.position);
         let has_passages = options.method == Method::Walk && has_passages(&world);
         let lit_inside = (0..world.substances().len() as u32).map(|i| is_lit_inside(&world, i)).collect();
-        let clearances = clearances(&world, options.spheres);
+        let clearances = clearances(&world, &scatterers, options.spheres);
         prepare_spheres(&world, &clearances, &mut scatterers);
         Ok(Self {
             world,
@@ -189,17 +189,29 @@ fn prepare_spheres<C: RayCaster>(
 }
 
 /// By instance: free space in bodies where it is `wanted` and worth while.
-fn clearances<C: RayCaster>(world: &World<C>, wanted: bool) -> Vec<Option<Clearance>> {
+fn clearances<C: RayCaster>(
+    world: &World<C>,
+    scatterers: &[Option<Scatterer>],
+    wanted: bool,
+) -> Vec<Option<Clearance>> {
     let instances = 0..world.substances().len() as u32;
     let bodies = instances.clone().filter(|&i| wanted && world.surroundings(i).is_some()).count();
     let clearance = |instance: u32| {
         let near = world.surroundings(instance).filter(|_| wanted)?;
-        let (low, high) = world.bounds(instance);
-        let free_path = free_path(world.scene(), world.substance(instance))?;
+        let Substance::Material(material) = world.substance(instance) else { return None };
+        let medium = scatterers[material].as_ref()?.medium(1.0, albedo_factor);
         let triangles = near.iter().flat_map(|&other| world.triangles(other));
-        Clearance::new([low, high], free_path, bodies, triangles)
+        Clearance::new(world.bounds(instance).into(), &medium, bodies, triangles)
     };
     instances.map(clearance).collect()
+}
+
+/// What stands for an albedo where there is no point to look its texture up at.
+fn albedo_factor(input: &ScatteringInput) -> Rgb {
+    match input {
+        ScatteringInput::Albedo { albedo, .. } => albedo.factor,
+        ScatteringInput::Coefficients { .. } => Rgb::ZERO,
+    }
 }
 
 /// The bodies around `position`, filled. Where an albedo is textured there is no point of entry to look it up at: its
@@ -215,10 +227,7 @@ fn interiors_at<C: RayCaster>(
     for body in interiors.iter_mut().filter(|body| world.is_walked(body.instance)) {
         let Substance::Material(material) = world.substance(body.instance) else { continue };
         let Some(scatterer) = &scatterers[material] else { continue };
-        body.medium = scatterer.medium(around.ior_around(body.instance), |input| match input {
-            ScatteringInput::Albedo { albedo, .. } => albedo.factor,
-            ScatteringInput::Coefficients { .. } => Rgb::ZERO,
-        });
+        body.medium = scatterer.medium(around.ior_around(body.instance), albedo_factor);
     }
     interiors
 }
