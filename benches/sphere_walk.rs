@@ -92,7 +92,7 @@ fn measure(scene: Scene, spheres: bool, seconds: f64) -> Measured {
     let mut found = Statistics::default();
     let start = thread_seconds();
     let mut count = 0_u32;
-    while count % 64 != 0 || count == 0 || thread_seconds() - start < seconds {
+    while !count.is_multiple_of(64) || count == 0 || thread_seconds() - start < seconds {
         let origin = Vec3::new(0.3, 3.0, 0.2);
         let radiance = renderer.radiance(origin, Vec3::NEG_Y, u64::from(count), &mut counters);
         found.add(f64::from(radiance.mean()));

@@ -92,7 +92,7 @@ impl Grid {
         let size = high - low;
         let most = (BUDGET / bodies as f32).cbrt().clamp(1.0, MOST_CELLS);
         let edge = (size.max_element() / most).max(LEAST_EDGE * free_path);
-        if !(size.min_element() > 0.0 && edge > 0.0 && edge.is_finite()) {
+        if !(size.cmpgt(Vec3::ZERO).all() && edge > 0.0 && edge.is_finite()) {
             return None;
         }
         let cells_per_length = 1.0 / edge;
