@@ -90,7 +90,7 @@ impl Clearance {
 impl Grid {
     fn new(low: Vec3, high: Vec3, free_path: f32, bodies: usize) -> Option<Self> {
         let size = high - low;
-        let most = (BUDGET / bodies as f32).cbrt().clamp(1.0, MOST_CELLS);
+        let most = (BUDGET / bodies as f32).cbrt().floor().clamp(1.0, MOST_CELLS);
         let edge = (size.max_element() / most).max(LEAST_EDGE * free_path);
         if !(size.cmpgt(Vec3::ZERO).all() && edge > 0.0 && edge.is_finite()) {
             return None;
