@@ -76,9 +76,9 @@ fn steps_on_spheres_change_no_mean() {
     ];
     for (name, mesh) in bodies {
         for (ior, roughness) in [(1.0, 0.0), (1.5, 0.0), (1.5, 0.5)] {
-            for albedo in [[1.0; 3], [0.9, 0.9, 0.9], [1.0, 0.999, 0.9]] {
+            for albedo in [[0.9; 3], [1.0, 0.999, 0.9]] {
                 let scene = lit(mesh.clone(), colored(ior, roughness, albedo, 25.0));
-                check(&format!("{name} η {ior} roughness {roughness} ω {albedo:?}"), &scene, 70_000, 0.02);
+                check(&format!("{name} η {ior} roughness {roughness} ω {albedo:?}"), &scene, 120_000, 0.02);
             }
         }
     }
