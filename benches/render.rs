@@ -37,7 +37,12 @@ fn renderer(name: &str) -> Renderer<EmbreeCaster> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(format!("{name}.toml"));
     let mut scene = read_scene(&path).unwrap();
     (scene.film.width, scene.film.height) = (SIDE, SIDE);
-    let options =
-        RenderOptions { seed: 1, method: Method::Bssrdf, profile: ProfileChoice::Auto, max_depth: 0 };
+    let options = RenderOptions {
+        seed: 1,
+        method: Method::Bssrdf,
+        profile: ProfileChoice::Auto,
+        max_depth: 0,
+        spheres: true,
+    };
     Renderer::new(scene, options, |geometry| EmbreeCaster::new(geometry, 1)).unwrap()
 }

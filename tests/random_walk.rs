@@ -15,7 +15,7 @@ use alabaster::scene::{
 };
 use common::assets::assets;
 use common::scenes::{furnace, join, white};
-use common::walks::{Found, faceted, picture, trace, walker};
+use common::walks::{Found, faceted, picture, plain_walker, trace, walker};
 use glam::{Affine3A, Vec3};
 
 /// The channels scatter differently, so that a path changes colour.
@@ -139,7 +139,7 @@ fn check_path_length(name: &str, mesh: &Mesh, free_paths: f64, photons: u64) {
             let sigma_s = (free_paths / chord) as f32;
             let medium =
                 ScatteringInput::Coefficients { sigma_a: Rgb::ZERO, sigma_s: Rgb::splat(sigma_s), g };
-            let renderer = walker(furnace(mesh.clone(), translucent(ior, 0.0, medium)));
+            let renderer = plain_walker(furnace(mesh.clone(), translucent(ior, 0.0, medium)));
             let found = trace(&renderer, photons, uniform_rays(center, radius));
             let expected = f64::from(sigma_s) * f64::from(ior).powi(2) * chord;
             let (mean, sigma) = (found.collisions.mean(), found.collisions.standard_error());

@@ -122,6 +122,7 @@ fn options(args: &RenderArgs, scene: &Scene) -> RenderOptions {
         method: scene.subsurface.method,
         profile: scene.subsurface.profile,
         max_depth: scene.render.max_depth,
+        spheres: true,
     }
 }
 

@@ -35,6 +35,7 @@ pub struct Report {
     capped_walks: u64,
     open_walks: u64,
     collisions: u64,
+    sphere_steps: u64,
     probes: Probes,
     /// `null` while unknown.
     relative_error: Option<f64>,
@@ -83,6 +84,7 @@ impl Report {
             capped_walks: counters.capped_paths,
             open_walks: counters.open_walks,
             collisions: counters.collisions,
+            sphere_steps: counters.sphere_steps,
             probes: Probes { cast, missed, hits, overflowed },
             relative_error: Some(film.relative_error()).filter(|error| error.is_finite()),
             firefly_index: film.firefly_index(),

@@ -1,6 +1,7 @@
 //! Mathematics without physics: frames, warps, robust floating point, discrete and tabulated
 //! distributions, the seeded low-discrepancy sample stream.
 
+pub mod distance_transform;
 pub mod distribution;
 pub mod frame;
 pub mod monotone_cubic;

@@ -213,4 +213,12 @@ impl ScatteringInput {
             Self::Coefficients { g, .. } | Self::Albedo { g, .. } => *g,
         }
     }
+
+    /// Extinction coefficient σ_t, 1/m.
+    pub fn sigma_t(&self) -> Rgb {
+        match self {
+            Self::Coefficients { sigma_a, sigma_s, .. } => *sigma_a + *sigma_s,
+            Self::Albedo { mean_free_path, .. } => mean_free_path.map(|l| 1.0 / l),
+        }
+    }
 }

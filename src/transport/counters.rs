@@ -24,6 +24,8 @@ pub struct Counters {
     pub capped_paths: u64,
     /// Collisions inside scattering bodies.
     pub collisions: u64,
+    /// Steps to the surface of a sphere, each in the place of many collisions.
+    pub sphere_steps: u64,
     /// Walks that left a body where its mesh has no surface.
     pub open_walks: u64,
     /// Area integrals evaluated.
@@ -40,6 +42,7 @@ impl Counters {
         self.rejected += other.rejected;
         self.capped_paths += other.capped_paths;
         self.collisions += other.collisions;
+        self.sphere_steps += other.sphere_steps;
         self.open_walks += other.open_walks;
         self.area_integrals += other.area_integrals;
         self.rays += other.rays;

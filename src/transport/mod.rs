@@ -1,6 +1,7 @@
 //! Light carried through the scene: the path tracer, direct light, the area integral.
 
 pub mod area_integral;
+pub mod clearance;
 pub mod counters;
 mod entry;
 pub mod form;
@@ -12,6 +13,7 @@ pub mod renderer;
 pub mod scatterer;
 mod shading;
 pub mod solid;
+pub mod spheres;
 pub mod spread;
 pub mod substance;
 mod warnings;

@@ -3,6 +3,7 @@
 mod below;
 mod passage;
 mod random_walk;
+mod sphere_walk;
 
 use glam::Vec3;
 

@@ -3,6 +3,7 @@
 use glam::Vec3;
 use thiserror::Error;
 
+use super::clearance::Clearance;
 use super::counters::Counters;
 use super::interiors::Interiors;
 use super::light_sampling::LightSampler;
@@ -30,6 +31,9 @@ pub struct RenderOptions {
     pub profile: ProfileChoice,
     /// Longest path in bounces; 0: no limit.
     pub max_depth: u32,
+    /// Whether walks use what is known of free space in bodies: they cast no rays where nothing is to be met, and cross spheres in one step.
+    /// The picture is the same but for noise, which without is more for the time.
+    pub spheres: bool,
 }
 
 /// Why a scene cannot be rendered.
@@ -67,6 +71,8 @@ pub struct Renderer<C> {
     pub(super) has_passages: bool,
     /// By instance: some light lies in the bounding box of a body that paths walk in.
     lit_inside: Vec<bool>,
+    /// By instance: free space in bodies that paths walk in, where it is used.
+    clearances: Vec<Option<Clearance>>,
     camera: CameraRays,
     camera_interiors: Interiors,
 }
@@ -90,13 +96,25 @@ impl<C: RayCaster> Renderer<C> {
             Method::Diffuse | Method::Walk => Some(ProfileKind::Model(ModelKind::NormalizedDiffusion)),
             _ => options.profile.kind(),
         };
-        let scatterers = (0..scene.materials.len())
+        let mut scatterers = (0..scene.materials.len())
             .map(|material| Scatterer::new(scene, material, profile))
             .collect::<Result<Vec<_>, _>>()?;
         let camera_interiors = interiors_at(&world, &scatterers, scene.camera.position);
         let has_passages = options.method == Method::Walk && has_passages(&world);
         let lit_inside = (0..world.substances().len() as u32).map(|i| is_lit_inside(&world, i)).collect();
-        Ok(Self { world, lights, scatterers, options, has_passages, lit_inside, camera, camera_interiors })
+        let clearances = clearances(&world, &scatterers, options.spheres);
+        prepare_spheres(&world, &clearances, &mut scatterers);
+        Ok(Self {
+            world,
+            lights,
+            scatterers,
+            options,
+            has_passages,
+            lit_inside,
+            clearances,
+            camera,
+            camera_interiors,
+        })
     }
 
     /// The scene, lights included as geometry.
@@ -180,6 +198,55 @@ impl<C: RayCaster> Renderer<C> {
     pub(super) fn is_lit_inside(&self, instance: u32) -> bool {
         self.lit_inside[instance as usize]
     }
+
+    /// Free space in `instance`, where it is used.
+    pub(super) fn clearance(&self, instance: u32) -> Option<&Clearance> {
+        self.clearances[instance as usize].as_ref()
+    }
+}
+
+/// Prepares the steps on spheres of materials that have bodies in which free space is used.
+fn prepare_spheres<C: RayCaster>(
+    world: &World<C>,
+    clearances: &[Option<Clearance>],
+    scatterers: &mut [Option<Scatterer>],
+) {
+    for (material, scatterer) in scatterers.iter_mut().enumerate() {
+        let of_material = |(substance, clearance): (&Substance, &Option<Clearance>)| {
+            *substance == Substance::Material(material) && clearance.is_some()
+        };
+        if let Some(scatterer) = scatterer
+            && world.substances().iter().zip(clearances).any(of_material)
+        {
+            scatterer.prepare_spheres();
+        }
+    }
+}
+
+/// By instance: free space in bodies where it is `wanted` and worth while.
+fn clearances<C: RayCaster>(
+    world: &World<C>,
+    scatterers: &[Option<Scatterer>],
+    wanted: bool,
+) -> Vec<Option<Clearance>> {
+    let instances = 0..world.substances().len() as u32;
+    let bodies = instances.clone().filter(|&i| wanted && world.surroundings(i).is_some()).count();
+    let clearance = |instance: u32| {
+        let near = world.surroundings(instance).filter(|_| wanted)?;
+        let Substance::Material(material) = world.substance(instance) else { return None };
+        let medium = scatterers[material].as_ref()?.medium(1.0, albedo_factor);
+        let triangles = near.iter().flat_map(|&other| world.triangles(other));
+        Clearance::new(world.bounds(instance).into(), &medium, bodies, triangles)
+    };
+    instances.map(clearance).collect()
+}
+
+/// What stands for an albedo where there is no point to look its texture up at.
+fn albedo_factor(input: &ScatteringInput) -> Rgb {
+    match input {
+        ScatteringInput::Albedo { albedo, .. } => albedo.factor,
+        ScatteringInput::Coefficients { .. } => Rgb::ZERO,
+    }
 }
 
 /// True if one sees through.
@@ -203,10 +270,7 @@ fn interiors_at<C: RayCaster>(
     for body in interiors.iter_mut().filter(|body| world.is_walked(body.instance)) {
         let Substance::Material(material) = world.substance(body.instance) else { continue };
         let Some(scatterer) = &scatterers[material] else { continue };
-        body.medium = scatterer.medium(around.ior_around(body.instance), |input| match input {
-            ScatteringInput::Albedo { albedo, .. } => albedo.factor,
-            ScatteringInput::Coefficients { .. } => Rgb::ZERO,
-        });
+        body.medium = scatterer.medium(around.ior_around(body.instance), albedo_factor);
     }
     interiors
 }

@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use super::form::{Form, FormError, profile_kind};
+use super::spheres::Spheres;
 use super::spread::{Spread, Spreading, resolvable};
 use crate::diffusion::{DirectionalWeightTable, HalfSpaceError, ModelKind, NormalizedDiffusion, ProfileKind};
 use crate::medium::albedo_inversion::unreduced_share;
@@ -32,6 +33,8 @@ pub struct Immersed {
     form: Form,
     /// Where nothing is textured.
     constant: Option<Local>,
+    /// Steps of walks on spheres, where they have been prepared.
+    spheres: Option<Spheres>,
 }
 
 /// The medium at a point.
@@ -76,7 +79,7 @@ impl Immersed {
         let boundary = Boundary::new(eta, roughness * roughness);
         let form = Form::new(kind, &boundary, f64::from(medium.g()))?;
         let planar = PlanarAlbedo::new(eta, medium.g());
-        Ok(Self { ior_around, boundary, interface: None, planar, kind, form, constant: None })
+        Ok(Self { ior_around, boundary, interface: None, planar, kind, form, constant: None, spheres: None })
     }
 
     /// The boundary.
@@ -87,6 +90,11 @@ impl Immersed {
     /// The boundary, where paths walk inside.
     pub fn interface(&self) -> Option<&Interface> {
         self.interface.as_ref()
+    }
+
+    /// Steps of walks on spheres, if they have been prepared and the medium has them.
+    pub fn spheres(&self) -> Option<&Spheres> {
+        self.spheres.as_ref()
     }
 
     /// The dependence of the profile on the direction of entry, if it has one.
@@ -145,6 +153,14 @@ impl Scatterer {
         Ok(Some(scatterer))
     }
 
+    /// Prepares the steps of walks on spheres, where nothing is textured: some 100 µs and 150 kB for each surrounding.
+    pub fn prepare_spheres(&mut self) {
+        for i in 0..self.immersed.len() {
+            let medium = self.immersed[i].constant.map(|local| self.medium_of(&local));
+            self.immersed[i].spheres = medium.and_then(Spheres::new);
+        }
+    }
+
     /// The profiles that it may use.
     pub fn profiles(&self) -> impl Iterator<Item = ProfileKind> {
         self.immersed.iter().map(|immersed| immersed.kind)
@@ -186,13 +202,16 @@ impl Scatterer {
     /// What scatters at a point of a body inside a medium of index `ior_around`: the medium of which [`Self::at`]
     /// gives albedo and profile. `albedo` looks up the albedo where it is textured.
     pub fn medium(&self, ior_around: f32, albedo: impl FnOnce(&ScatteringInput) -> Rgb) -> Medium {
+        self.medium_of(&self.local_in(self.immersed(ior_around), albedo))
+    }
+
+    fn medium_of(&self, local: &Local) -> Medium {
         match &self.input {
             ScatteringInput::Coefficients { sigma_a, sigma_s, g } => {
                 Medium { sigma_a: *sigma_a, sigma_s: *sigma_s, g: *g }
             }
             ScatteringInput::Albedo { mean_free_path, g, .. } => {
-                let reduced = self.local_in(self.immersed(ior_around), albedo).absorbed;
-                let absorbed = reduced.map(|x| unreduced_share(f64::from(x), f64::from(*g)) as f32);
+                let absorbed = local.absorbed.map(|x| unreduced_share(f64::from(x), f64::from(*g)) as f32);
                 let sigma_t = mean_free_path.map(|l| 1.0 / l);
                 Medium { sigma_a: absorbed * sigma_t, sigma_s: (Rgb::ONE - absorbed) * sigma_t, g: *g }
             }

@@ -9,6 +9,7 @@ use crate::scene::material::Coverage;
 use crate::scene::shape::light_mesh;
 use crate::scene::{Instance, Scene};
 
+use super::clearance::surroundings;
 use super::interiors::{Interior, Interiors};
 use super::solid::Flaw;
 use super::substance::{Substance, flaws_of_walked, interior_of, is_probed, is_walked};
@@ -58,6 +59,8 @@ pub struct World<C> {
     has_partial_coverage: bool,
     /// By instance: what is wrong with the mesh of a body that paths walk in.
     flaws: Vec<(u32, Flaw)>,
+    /// By instance: what has surfaces in a body, where it is worth while to know how far they are.
+    surroundings: Vec<Option<Box<[u32]>>>,
 }
 
 impl<C: RayCaster> World<C> {
@@ -80,6 +83,7 @@ impl<C: RayCaster> World<C> {
                 mirrored: mirrors(&instance.transform) != flaws.contains(&(index, Flaw::InsideOut)),
             })
             .collect();
+        let surroundings = surroundings(&scene, &substances, &bounds, &flaws);
         let caster = {
             let meshes: Vec<_> = scene
                 .meshes
@@ -105,7 +109,17 @@ impl<C: RayCaster> World<C> {
             })
             .collect();
         let has_partial_coverage = scene.materials.iter().any(|m| m.coverage != Coverage::Full);
-        Ok(Self { scene, substances, placements, bounds, caster, enterable, has_partial_coverage, flaws })
+        Ok(Self {
+            scene,
+            substances,
+            placements,
+            bounds,
+            caster,
+            enterable,
+            has_partial_coverage,
+            flaws,
+            surroundings,
+        })
     }
 
     /// The scene, with geometry in world space where it is used once.
@@ -161,6 +175,11 @@ impl<C: RayCaster> World<C> {
         &self.flaws
     }
 
+    /// What has surfaces in `instance`, its own among them, if it is a body so thick that it is worth while to know how far they are.
+    pub fn surroundings(&self, instance: u32) -> Option<&[u32]> {
+        self.surroundings[instance as usize].as_deref()
+    }
+
     /// True if paths walk inside `instance`.
     pub fn is_walked(&self, instance: u32) -> bool {
         is_walked(&self.scene, self.substance(instance))
@@ -169,6 +188,13 @@ impl<C: RayCaster> World<C> {
     /// True if some material is not everywhere there.
     pub fn has_partial_coverage(&self) -> bool {
         self.has_partial_coverage
+    }
+
+    /// World-space corners of all triangles of an instance.
+    pub fn triangles(&self, instance: u32) -> impl Iterator<Item = [Vec3; 3]> {
+        let mesh = self.scene.instances[instance as usize].mesh;
+        let count = self.scene.meshes[mesh].triangles.len() as u32;
+        (0..count).map(move |primitive| self.corners(instance, primitive))
     }
 
     /// World-space corners of a triangle, in the winding that makes its normal point outward.

@@ -105,7 +105,13 @@ pub fn furnace(mesh: Mesh, material: Material) -> Scene {
 }
 
 pub fn options() -> RenderOptions {
-    RenderOptions { seed: 1, method: Method::Bssrdf, profile: ProfileChoice::Auto, max_depth: 0 }
+    RenderOptions {
+        seed: 1,
+        method: Method::Bssrdf,
+        profile: ProfileChoice::Auto,
+        max_depth: 0,
+        spheres: true,
+    }
 }
 
 pub fn renderer(scene: Scene) -> Renderer<Caster> {

@@ -13,6 +13,12 @@ pub fn walker(scene: Scene) -> Renderer<Caster> {
     Renderer::new(scene, RenderOptions { method: Method::Walk, ..options() }, caster).unwrap()
 }
 
+/// A renderer that walks from collision to collision.
+pub fn plain_walker(scene: Scene) -> Renderer<Caster> {
+    let options = RenderOptions { method: Method::Walk, spheres: false, ..options() };
+    Renderer::new(scene, options, caster).unwrap()
+}
+
 /// What many rays found.
 #[derive(Default)]
 pub struct Found {

@@ -24,7 +24,8 @@
 //! ten or so, and is asked in vain near the surface, where most light stays for a few collisions and leaves: a walk does
 //! well to ask only after 32 collisions since it entered, or since a sphere was last too small. Through an
 //! index-matched sphere of 82 k triangles 200 mean free paths thick that takes half the time of a plain walk, through one
-//! of 2000 an eighth, through one of 60 the same (`benches/sphere_step.rs`).
+//! of 2000 an eighth, through one of 60 the same (`benches/sphere_step.rs`). Where the distance is looked up in a grid, which costs less than a
+//! collision, a walk does well to ask at each (`benches/sphere_walk.rs`).
 //!
 //! **Path length.** Without absorption, r² + 2 r·d along a path in direction d grows in the mean by 2 per mean free path (the
 //! second term drops to 0 at each collision). It starts as 0 and is τ² + 2τ cos θ at the exit, so that

@@ -15,9 +15,14 @@
 //! **Boundary.** The body's surface is that of [`crate::optics::Dielectric`]: reflection, refraction, total
 //! reflection; nested bodies are those of [`crate::transport::interiors`].
 //!
+//! **Free space.** A flight that ends nearer than any surface is known to be ([`crate::transport::clearance`]) needs no ray; where scattering is
+//! isotropic and the surface many free paths away, one step on a sphere takes the place of many flights
+//! ([`super::sphere_walk`]).
+//!
 //! **Direct light** is drawn at collisions where it can arrive: through a boundary that bends nothing, or from a
 //! light inside the body. Through a rough boundary it is drawn at the boundary. Through a smooth one that refracts a
-//! straight ray never arrives, and a walk finds a light only by leaving towards it.
+//! straight ray never arrives, and a walk finds a light only by leaving towards it. Light that has far to come through the
+//! medium is looked for seldom, and weighs the more where it is: shadow rays from the depth of a body bring next to nothing.
 
 use glam::Vec3;
 
@@ -28,6 +33,7 @@ use crate::medium::Medium;
 use crate::optics::phase::HenyeyGreenstein;
 use crate::radiometry::Rgb;
 use crate::raycast::{Hit, Ray, RayCaster};
+use crate::transport::entry::Response;
 use crate::transport::interiors::Interior;
 use crate::transport::light_choice::Receiver;
 use crate::transport::spread::Channels;
@@ -38,6 +44,13 @@ const LONGEST_WALK: u32 = 1 << 22;
 
 /// Collisions of a walk before roulette may end it.
 const ROULETTE_START: u32 = 4;
+
+/// Transmittance from which a shadow ray is always cast; below, in proportion to it. The less, the fewer rays, and the more
+/// noise.
+const SURE_TRANSMITTANCE: f32 = 0.125;
+
+/// The least probability of a shadow ray: what it costs then no longer counts, and random numbers still resolve it.
+const LEAST_CHANCE: f32 = 1.0 / 1024.0;
 
 /// How a walk ended.
 pub(super) enum Walked {
@@ -107,13 +120,19 @@ impl<C: RayCaster> Path<'_, C> {
         let extinction = Extinction::of(&body.medium);
         let bounds = self.bounds(body);
         let draws_light = self.draws_light_in(body);
+        let space = self.free_space(body);
+        let mut clear = self.clear_distance(space, from.origin);
         for collision in 0.. {
             self.counts_flight()?;
             let flight = extinction.draw(self.throughput, &mut self.random);
-            self.counters.rays += 1;
-            // Farther by the rounding of its end, so that no collision comes to lie behind the surface.
-            let t_max = flight.distance + bounds.margin();
-            let hit = world.caster().closest(&Ray { origin: from.origin, direction: from.direction, t_max });
+            let hit = if flight.distance < clear {
+                None
+            } else {
+                self.counters.rays += 1;
+                // Farther by the rounding of its end, so that no collision comes to lie behind the surface.
+                let t_max = flight.distance + bounds.margin();
+                world.caster().closest(&Ray { origin: from.origin, direction: from.direction, t_max })
+            };
             let position = match hit {
                 Some(hit) if hit.t <= flight.distance => {
                     self.throughput *= extinction.passage(&flight, hit.t);
@@ -132,7 +151,14 @@ impl<C: RayCaster> Path<'_, C> {
             if !self.plays(collision < ROULETTE_START, |path| path.random.next_f32()) {
                 return None;
             }
-            from = self.scatter(&body.medium, position, from.direction, draws_light);
+            clear = self.clear_distance(space, position);
+            from = match self.cross_sphere(space, position, clear, draws_light) {
+                Some(beyond) => {
+                    clear = self.clear_distance(space, beyond.origin);
+                    beyond
+                }
+                None => self.scatter(&body.medium, position, from.direction, draws_light.then_some(clear)),
+            };
         }
         None
     }
@@ -161,35 +187,58 @@ impl<C: RayCaster> Path<'_, C> {
         body.ior == self.interiors.ior_around(body.instance) || self.renderer.is_lit_inside(body.instance)
     }
 
-    /// Takes a new direction from the phase function, and direct light.
-    fn scatter(&mut self, medium: &Medium, position: Vec3, direction: Vec3, draws_light: bool) -> Next {
+    /// Takes a new direction from the phase function, and direct light if it can arrive; then `lit` is how far away any surface
+    /// is at least.
+    fn scatter(&mut self, medium: &Medium, position: Vec3, direction: Vec3, lit: Option<f32>) -> Next {
         let phase = HenyeyGreenstein { g: f64::from(medium.g) };
         let receiver = Receiver { position, normal: None };
-        if draws_light {
-            self.add_direct_inside(phase, &receiver, direction);
+        if let Some(clear) = lit {
+            self.add_direct_inside(&receiver, clear, |wi| {
+                let density = phase.density(f64::from(wi.dot(direction))) as f32;
+                Response { value: Rgb::splat(density), density }
+            });
         }
         let deflection = phase.sample(f64::from(self.random.next_f32()));
         let (sin, cos) = (std::f32::consts::TAU * self.random.next_f32()).sin_cos();
         let across = deflection.sin as f32;
         let local = Vec3::new(across * cos, across * sin, deflection.cos as f32);
-        self.scattered_from =
-            draws_light.then(|| Origin { receiver, density: phase.density(deflection.cos) as f32 });
+        self.scattered_from = lit.map(|_| Origin { receiver, density: phase.density(deflection.cos) as f32 });
         Next { origin: position, direction: Frame::from_normal(direction).to_world(local).normalize() }
     }
 
-    /// Light drawn directly for a collision of light that would go on in `direction`.
-    fn add_direct_inside(&mut self, phase: HenyeyGreenstein, receiver: &Receiver, direction: Vec3) {
+    /// Light drawn directly for light that is at `receiver` in the body, `clear` away from any surface, and would go on as
+    /// `response` says.
+    pub(super) fn add_direct_inside(
+        &mut self,
+        receiver: &Receiver,
+        clear: f32,
+        response: impl Fn(Vec3) -> Response,
+    ) {
         let renderer = self.renderer;
         let u = [self.random.next_f32(), self.random.next_f32(), self.random.next_f32()];
         let Some(light) = renderer.lights.sample(&renderer.world, receiver, u) else { return };
-        let value = phase.density(f64::from(light.direction.dot(direction))) as f32;
-        let weight = light.density.map_or(1.0, |d| d / (d + value));
-        let contribution = self.throughput * light.value * (value * weight);
+        let Response { value, density } = response(light.direction);
+        if value.is_black() {
+            return;
+        }
+        let chance = self.chance_of_light(clear.min(light.distance));
+        if chance < 1.0 && self.random.next_f32() >= chance {
+            return;
+        }
+        let weight = light.density.map_or(1.0, |d| d / (d + density)) / chance;
+        let contribution = self.throughput * light.value * value * weight;
         if !contribution.is_finite() {
             self.counters.rejected += 1;
             return;
         }
         let arrives = self.transmittance(receiver.position, light.direction, light.distance);
         self.radiance += contribution * arrives;
+    }
+
+    /// With which probability to look for light that comes through at least `distance` of the medium.
+    fn chance_of_light(&self, distance: f32) -> f32 {
+        let Some(body) = self.interiors.current().filter(|_| distance > 0.0) else { return 1.0 };
+        let transmittance = (-body.medium.sigma_t().min_component() * distance).exp();
+        (transmittance / SURE_TRANSMITTANCE).clamp(LEAST_CHANCE, 1.0)
     }
 }

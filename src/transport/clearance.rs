@@ -1,0 +1,257 @@
+//! Free space in bodies: how far the nearest surface is at least, looked up in a grid instead of asked of a ray caster.
+//!
+//! Cells that a surface may pass through are marked, and the distance from the centre of each cell to the nearest marked one is kept. A distance
+//! changes by no more than a point moves, so what is kept, less the way from the centre, is a lower bound for every point
+//! of the cell. To look it up costs one load, where a ray or a query in a hierarchy takes a hundred times as long.
+//!
+//! All surfaces count that meet the bounding box of the body, not its own alone: in a sphere that touches none of them
+//! there is one medium, whatever bodies are nested or overlap.
+
+use glam::{UVec3, Vec3};
+
+use super::solid::Flaw;
+use super::substance::{Substance, is_walked};
+use crate::math::distance_transform::squared_distances;
+use crate::medium::Medium;
+use crate::scene::{Scene, Surface};
+
+/// Cells along the longest side of a bounding box, at most: distances must fit into [`Clearance::distances`].
+const MOST_CELLS: f32 = 160.0;
+
+/// Cells of all grids together, two bytes each.
+const BUDGET: f32 = (1 << 24) as f32;
+
+/// The least edge of a cell in mean free paths: what is nearer than that is soon met.
+const LEAST_EDGE: f32 = 0.25;
+
+/// How many mean free paths the shortest side of a body's bounding box must have. In thinner bodies most flights end at the
+/// surface, and nothing is won (`benches/sphere_walk.rs`: at 10 nothing yet, at 20 a tenth and more).
+const LEAST_THICKNESS: f32 = 12.0;
+
+/// Steps of a distance in an edge of a cell.
+const RESOLUTION: f32 = 128.0;
+
+/// How often a triangle is halved at most, so that no coordinate can hold the program.
+const MOST_HALVINGS: u32 = 64;
+
+/// Roundings of a position that are allowed for.
+const ROUNDINGS: f32 = 16.0;
+
+/// Lower bounds of the distance to the nearest surface, from points in a bounding box.
+pub struct Clearance {
+    grid: Grid,
+    /// Distances from the centres of the cells to a marked one, rounded down, in edges over [`RESOLUTION`].
+    distances: Box<[u16]>,
+}
+
+/// Cubic cells in a box.
+struct Grid {
+    low: Vec3,
+    /// Edge of a cell, m.
+    edge: f32,
+    cells_per_length: f32,
+    counts: UVec3,
+    /// More than the rounding of a position, m.
+    margin: f32,
+}
+
+impl Clearance {
+    /// Of the points in the box from `low` to `high` (m) around one of `bodies` that have such a grid, from `triangles`. The body is filled with
+    /// `medium`. None if no number of cells would do, or light gets no deeper than a cell.
+    pub fn new(
+        [low, high]: [Vec3; 2],
+        medium: &Medium,
+        bodies: usize,
+        triangles: impl Iterator<Item = [Vec3; 3]>,
+    ) -> Option<Self> {
+        let grid = Grid::new(low, high, 1.0 / medium.sigma_t().min_component(), bodies)?;
+        if grid.edge > depth(medium) {
+            return None;
+        }
+        let mut marked = vec![false; grid.counts.to_array().map(|count| count as usize).iter().product()];
+        triangles.for_each(|triangle| grid.mark(triangle, grid.slack(triangle), &mut marked, 0));
+        let squares = squared_distances(&marked, grid.counts.to_array().map(|count| count as usize));
+        // Rounded down, that of the root included.
+        let distance = |square: f32| (square.sqrt() * (RESOLUTION * (1.0 - 2.0 * f32::EPSILON))) as u16;
+        Some(Self { grid, distances: squares.into_iter().map(distance).collect() })
+    }
+
+    /// A distance, m, within which there is no surface around `point`, which is in the box; 0 or less where none is
+    /// known. It leaves room for the rounding of a point at that distance.
+    pub fn around(&self, point: Vec3) -> f32 {
+        let Grid { low, edge, margin, .. } = self.grid;
+        let cell = self.grid.cell(point);
+        let center = low + (cell.as_vec3() + 0.5) * edge;
+        let distance = f32::from(self.distances[self.grid.index(cell)]) * (edge / RESOLUTION);
+        distance - point.distance(center) - margin
+    }
+}
+
+impl Grid {
+    fn new(low: Vec3, high: Vec3, free_path: f32, bodies: usize) -> Option<Self> {
+        let size = high - low;
+        let most = (BUDGET / bodies as f32).cbrt().floor().clamp(1.0, MOST_CELLS);
+        let edge = (size.max_element() / most).max(LEAST_EDGE * free_path);
+        if !(size.cmpgt(Vec3::ZERO).all() && edge > 0.0 && edge.is_finite()) {
+            return None;
+        }
+        let cells_per_length = 1.0 / edge;
+        Some(Self {
+            low,
+            edge,
+            cells_per_length,
+            counts: (size * cells_per_length)
+                .ceil()
+                .as_uvec3()
+                .clamp(UVec3::ONE, UVec3::splat(MOST_CELLS as u32)),
+            margin: ROUNDINGS * f32::EPSILON * low.abs().max(high.abs()).max_element(),
+        })
+    }
+
+    /// The cell of `point`; the nearest along each axis if it is outside.
+    fn cell(&self, point: Vec3) -> UVec3 {
+        ((point - self.low) * self.cells_per_length).as_uvec3().min(self.counts - 1)
+    }
+
+    fn index(&self, cell: UVec3) -> usize {
+        ((cell.z * self.counts.y + cell.y) * self.counts.x + cell.x) as usize
+    }
+
+    /// More than the rounding of a point of `triangle` or in the box, m.
+    fn slack(&self, triangle: [Vec3; 3]) -> f32 {
+        let largest = triangle.map(|corner| corner.abs().max_element()).into_iter().fold(0.0, f32::max);
+        self.margin.max(ROUNDINGS * f32::EPSILON * largest)
+    }
+
+    /// Marks the cells that a triangle may pass through: those within `slack` of the boxes around parts of it that are no larger than half
+    /// a cell, or around the whole of it.
+    fn mark(&self, triangle: [Vec3; 3], slack: f32, marked: &mut [bool], halvings: u32) {
+        let [a, b, c] = triangle;
+        let (low, high) = (a.min(b).min(c) - slack, a.max(b).max(c) + slack);
+        let end = self.low + self.counts.as_vec3() * self.edge;
+        if high.cmplt(self.low).any() || low.cmpgt(end).any() {
+            return;
+        }
+        let [ab, bc, ca] = [a.distance_squared(b), b.distance_squared(c), c.distance_squared(a)];
+        let longest = ab.max(bc).max(ca);
+        if longest > 0.25 * self.edge * self.edge && halvings < MOST_HALVINGS {
+            // Begins with the longest edge.
+            let [a, b, c] = if ab == longest {
+                [a, b, c]
+            } else if bc == longest {
+                [b, c, a]
+            } else {
+                [c, a, b]
+            };
+            let middle = a.midpoint(b);
+            self.mark([a, middle, c], slack, marked, halvings + 1);
+            self.mark([middle, b, c], slack, marked, halvings + 1);
+            return;
+        }
+        let (first, last) = (self.cell(low), self.cell(high));
+        for z in first.z..=last.z {
+            for y in first.y..=last.y {
+                for x in first.x..=last.x {
+                    marked[self.index(UVec3::new(x, y, z))] = true;
+                }
+            }
+        }
+    }
+}
+
+/// By instance: the instances that can have surfaces in it, if it is a body in which it is worth while to know how far they are. `bounds`
+/// are the bounding boxes.
+pub(super) fn surroundings(
+    scene: &Scene,
+    substances: &[Substance],
+    bounds: &[(Vec3, Vec3)],
+    flaws: &[(u32, Flaw)],
+) -> Vec<Option<Box<[u32]>>> {
+    let meets = |(a, b): (Vec3, Vec3), (low, high): (Vec3, Vec3)| a.cmple(high).all() && b.cmpge(low).all();
+    (0..substances.len() as u32)
+        .map(|instance| {
+            let own = bounds[instance as usize];
+            // Where the surface has holes, to be away from it is not to be inside.
+            let sound = !flaws.iter().any(|&(flawed, flaw)| flawed == instance && flaw != Flaw::InsideOut);
+            (sound && is_thick(scene, substances[instance as usize], own))
+                .then(|| (0..bounds.len() as u32).filter(|&i| meets(bounds[i as usize], own)).collect())
+        })
+        .collect()
+}
+
+/// How deep light gets, m: the diffusion length 1/√(3 σ_a σ_t') of the channel in which that is longest; at least a mean free path.
+fn depth(medium: &Medium) -> f32 {
+    let length = medium.sigma_a.zip(medium.sigma_t_reduced(), |a, t| 1.0 / (3.0 * a * t).sqrt());
+    length.zip(medium.sigma_t(), |length, t| length.max(1.0 / t)).max_component()
+}
+
+/// True if paths walk in `substance` and a body of it with this bounding box is many mean free paths thick, in all
+/// channels.
+fn is_thick(scene: &Scene, substance: Substance, (low, high): (Vec3, Vec3)) -> bool {
+    if !is_walked(scene, substance) {
+        return false;
+    }
+    let Substance::Material(material) = substance else { return false };
+    let Surface::Translucent { medium, .. } = &scene.materials[material].surface else { return false };
+    (high - low).min_element() * medium.sigma_t().min_component() >= LEAST_THICKNESS
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::sampler::HashGenerator;
+    use crate::radiometry::Rgb;
+    use crate::raycast::bvh::BvhCaster;
+    use crate::raycast::{DistanceQuery, Geometry, MeshInstance, RayCaster, TriangleMesh};
+    use crate::scene::shape;
+    use glam::{Affine3A, Quat};
+
+    /// A body with a turned box in it, off the origin.
+    #[test]
+    fn no_surface_is_nearer_and_little_is_given_away() {
+        let outer = shape::sphere(Vec3::new(30.0, 0.0, 0.0), 1.0, 4);
+        let mut inner = shape::cuboid(Vec3::new(30.3, 0.1, 0.0), Vec3::splat(0.4));
+        inner.positions.iter_mut().for_each(|p| *p = Quat::from_rotation_x(0.7) * *p);
+        let meshes = [&outer, &inner];
+        let views =
+            meshes.map(|mesh| TriangleMesh { positions: &mesh.positions, triangles: &mesh.triangles });
+        let instances = [0, 1].map(|mesh| MeshInstance { mesh, transform: Affine3A::IDENTITY, probed: true });
+        let caster = BvhCaster::new(&Geometry { meshes: &views, instances: &instances }).unwrap();
+        let (low, high) = (Vec3::new(29.0, -1.0, -1.0), Vec3::new(31.0, 1.0, 1.0));
+        let corners =
+            meshes.into_iter().flat_map(|m| m.triangles.iter().map(|t| t.map(|v| m.positions[v as usize])));
+        let clearance = Clearance::new([low, high], &medium(100.0), 1, corners).unwrap();
+        let mut random = HashGenerator::new(1);
+        // The diagonals of the marked cell, of half a cell that the box of a part of a triangle is larger, and of half a cell to the centre, there and back.
+        let given_away = 2.5 * 3.0_f32.sqrt() * clearance.grid.edge;
+        for _ in 0..20_000 {
+            let point = low + Vec3::from_array([(); 3].map(|()| random.next_f32())) * (high - low);
+            let exact = [0, 1]
+                .map(|i| caster.distance_to_nearest(&DistanceQuery::exact(point), i))
+                .into_iter()
+                .fold(f32::INFINITY, f32::min);
+            let bound = clearance.around(point);
+            assert!(bound < exact, "{bound} {exact}");
+            assert!(bound > exact - given_away, "{bound} {exact}");
+        }
+    }
+
+    fn medium(sigma_s: f32) -> Medium {
+        Medium { sigma_a: Rgb::ZERO, sigma_s: Rgb::splat(sigma_s), g: 0.0 }
+    }
+
+    #[test]
+    fn boxes_without_volume_and_numbers_that_are_none_have_no_grid() {
+        let at = |size: Vec3, medium: Medium| {
+            Clearance::new([Vec3::ZERO, size], &medium, 1, [].into_iter()).is_some()
+        };
+        assert!(at(Vec3::ONE, medium(100.0)));
+        assert!(!at(Vec3::new(1.0, 0.0, 1.0), medium(100.0)));
+        assert!(!at(Vec3::new(1.0, f32::NAN, 1.0), medium(100.0)));
+        assert!(!at(Vec3::ONE, medium(0.0)));
+        assert!(!at(Vec3::splat(f32::INFINITY), medium(100.0)));
+        // A cell is 10 free paths then, and light gets through one.
+        assert!(!at(Vec3::ONE, Medium { sigma_a: Rgb::splat(1600.0), ..medium(1.0) }));
+        assert!(Grid::new(Vec3::ZERO, Vec3::ONE, 0.01, 100_000).unwrap().counts.element_product() < 200);
+    }
+}
