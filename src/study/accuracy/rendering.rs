@@ -39,6 +39,7 @@ pub fn make_ready<C: RayCaster>(
         method: series.method,
         profile: series.profile,
         max_depth: scene.render.max_depth,
+        spheres: true,
     };
     let mut renderer = Renderer::new(scene, options, build)?;
     if series.role == Role::AnyDirection {
