@@ -123,6 +123,7 @@ fn options(args: &RenderArgs, scene: &Scene) -> RenderOptions {
         profile: scene.subsurface.profile,
         max_depth: scene.render.max_depth,
         spheres: true,
+        guiding: true,
     }
 }
 

@@ -4,6 +4,7 @@
 pub mod albedo_inversion;
 pub mod coefficients;
 mod discrete_ordinates;
+pub mod dwivedi;
 pub mod entry;
 pub mod planar_albedo;
 pub mod plane_parallel;

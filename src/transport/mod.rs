@@ -5,6 +5,7 @@ pub mod clearance;
 pub mod counters;
 mod entry;
 pub mod form;
+pub mod guide;
 pub mod interiors;
 pub mod light_choice;
 pub mod light_sampling;

@@ -1,12 +1,14 @@
 //! The path tracer: one path from the camera, with direct light at every vertex.
 
 mod below;
+mod guiding;
 mod passage;
 mod random_walk;
 mod sphere_walk;
 
 use glam::Vec3;
 
+use guiding::Technique;
 use random_walk::Walked;
 
 use super::counters::Counters;
@@ -84,6 +86,12 @@ pub(super) struct Path<'a, C> {
     passed: u32,
     /// Flights inside scattering bodies.
     flights: u32,
+    /// Normal of the triangle through which or from which the path last went on.
+    entrance: Option<Vec3>,
+    /// How walks are drawn.
+    technique: Technique,
+    /// What the path is expected to carry where it finds light, at most: roulette plays with what is less.
+    expected: f32,
     /// For walks, whose length is not known beforehand.
     random: HashGenerator,
 }
@@ -107,6 +115,9 @@ impl<'a, C: RayCaster> Path<'a, C> {
             bounce: 0,
             passed: 0,
             flights: 0,
+            entrance: None,
+            technique: Technique::default(),
+            expected: 1.0,
             random,
         }
     }
@@ -208,11 +219,12 @@ impl<'a, C: RayCaster> Path<'a, C> {
         if !(carried > 0.0 && carried.is_finite()) {
             return false;
         }
-        if spared || carried >= 1.0 {
+        let chance = carried / self.expected.min(self.technique.weight());
+        if spared || chance >= 1.0 {
             return true;
         }
-        self.throughput *= 1.0 / carried;
-        draw(self) < carried
+        self.throughput *= 1.0 / chance;
+        draw(self) < chance
     }
 
     /// Weight of light found by a scattered ray against the same light drawn directly.
@@ -321,6 +333,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
         if sample.crosses_boundary {
             self.cross(surface, wo.dot(surface.geometric_normal) > 0.0);
         }
+        self.entrance = Some(surface.geometric_normal);
         Some(Next { origin: leave(surface, direction), direction })
     }
 

@@ -34,6 +34,9 @@ pub struct RenderOptions {
     /// Whether walks use what is known of free space in bodies: they cast no rays where nothing is to be met, and cross spheres in one step.
     /// The picture is the same but for noise, which without is more for the time.
     pub spheres: bool,
+    /// Whether walks in bodies that absorb are guided towards where light leaves. The picture is the same but for noise, which
+    /// without is more for the time.
+    pub guiding: bool,
 }
 
 /// Why a scene cannot be rendered.

@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use super::form::{Form, FormError, profile_kind};
+use super::guide::Guide;
 use super::spheres::Spheres;
 use super::spread::{Spread, Spreading, resolvable};
 use crate::diffusion::{DirectionalWeightTable, HalfSpaceError, ModelKind, NormalizedDiffusion, ProfileKind};
@@ -35,6 +36,8 @@ pub struct Immersed {
     constant: Option<Local>,
     /// Steps of walks on spheres, where they have been prepared.
     spheres: Option<Spheres>,
+    /// Of walks in the medium where nothing is textured, and the medium.
+    guide: Option<(Medium, Option<Guide>)>,
 }
 
 /// The medium at a point.
@@ -79,7 +82,17 @@ impl Immersed {
         let boundary = Boundary::new(eta, roughness * roughness);
         let form = Form::new(kind, &boundary, f64::from(medium.g()))?;
         let planar = PlanarAlbedo::new(eta, medium.g());
-        Ok(Self { ior_around, boundary, interface: None, planar, kind, form, constant: None, spheres: None })
+        Ok(Self {
+            ior_around,
+            boundary,
+            interface: None,
+            planar,
+            kind,
+            form,
+            constant: None,
+            spheres: None,
+            guide: None,
+        })
     }
 
     /// The boundary.
@@ -95,6 +108,14 @@ impl Immersed {
     /// Steps of walks on spheres, if they have been prepared and the medium has them.
     pub fn spheres(&self) -> Option<&Spheres> {
         self.spheres.as_ref()
+    }
+
+    /// The guide of walks in `medium`, if they are worth to be guided.
+    pub fn guide(&self, medium: &Medium) -> Option<Guide> {
+        match &self.guide {
+            Some((prepared, guide)) if prepared == medium => *guide,
+            _ => Guide::new(medium, &self.planar),
+        }
     }
 
     /// The dependence of the profile on the direction of entry, if it has one.
@@ -148,6 +169,10 @@ impl Scatterer {
             let mut immersed = immersed.map_err(|problem| failed(problem.into()))?;
             immersed.interface = walks.then(|| Interface::new(eta as f32, roughness * roughness));
             immersed.constant = scatterer.constant(&immersed);
+            if let Some(local) = immersed.constant.filter(|_| walks) {
+                let medium = scatterer.medium_of(&local);
+                immersed.guide = Some((medium, Guide::new(&medium, &immersed.planar)));
+            }
             scatterer.immersed.push(immersed);
         }
         Ok(Some(scatterer))

@@ -90,6 +90,11 @@ impl Channels {
         Self { probability }
     }
 
+    /// Probability of a channel.
+    pub(super) fn probability(&self, channel: usize) -> f32 {
+        self.probability[channel]
+    }
+
     /// Mean over the channels by what they carry.
     pub(super) fn mean(&self, values: Rgb) -> f32 {
         (values * self.probability).0.iter().sum()

@@ -40,6 +40,7 @@ pub fn make_ready<C: RayCaster>(
         profile: series.profile,
         max_depth: scene.render.max_depth,
         spheres: true,
+        guiding: true,
     };
     let mut renderer = Renderer::new(scene, options, build)?;
     if series.role == Role::AnyDirection {

@@ -47,6 +47,7 @@ impl<C: RayCaster> Path<'_, C> {
     /// Follows a ray in `direction` straight through the boundary at `surface`.
     pub(super) fn pass(&mut self, surface: &SurfacePoint, direction: Vec3) -> Option<Next> {
         self.counts_flight()?;
+        self.entrance = Some(surface.geometric_normal);
         self.cross(surface, direction.dot(surface.geometric_normal) < 0.0);
         Some(Next { origin: leave(surface, direction), direction })
     }

@@ -26,6 +26,7 @@
 
 use glam::Vec3;
 
+use super::guiding::Course;
 use super::{Next, Origin, Path, leave};
 use crate::math::Frame;
 use crate::math::sampler::HashGenerator;
@@ -74,6 +75,14 @@ struct Flight {
     channels: Channels,
 }
 
+/// A direction taken at a collision.
+#[derive(Clone, Copy)]
+pub(super) struct Turn {
+    pub direction: Vec3,
+    /// Per solid angle, 1/sr.
+    pub density: f32,
+}
+
 impl Extinction {
     fn of(medium: &Medium) -> Self {
         let sigma_t = medium.sigma_t();
@@ -85,6 +94,17 @@ impl Extinction {
         let channels = Channels::of(throughput);
         let drawn_by = if self.gray { 0 } else { channels.draw(Rgb::ONE, random.next_f32()) };
         Flight { distance: random.next_exponential() / self.sigma_t[drawn_by], drawn_by, channels }
+    }
+
+    /// Draws how far light that is `throughput` goes on its `course`.
+    fn draw_on(&self, course: &Course, throughput: Rgb, random: &mut HashGenerator) -> Flight {
+        match course.layer.coefficient(course.lobe, &course.heading) {
+            Some((drawn_by, coefficient)) => {
+                let distance = random.next_exponential() / coefficient;
+                Flight { distance, drawn_by, channels: Channels::of(throughput) }
+            }
+            None => self.draw(throughput, random),
+        }
     }
 
     /// Attenuation over `distance` in units of that of the channel that the flight was drawn by, which neither
@@ -122,9 +142,14 @@ impl<C: RayCaster> Path<'_, C> {
         let draws_light = self.draws_light_in(body);
         let space = self.free_space(body);
         let mut clear = self.clear_distance(space, from.origin);
+        let guide = self.guide(&from, body);
+        let mut course = guide.map(|layer| self.set_out(layer, &from));
         for collision in 0.. {
             self.counts_flight()?;
-            let flight = extinction.draw(self.throughput, &mut self.random);
+            let flight = match &course {
+                Some(course) => extinction.draw_on(course, self.throughput, &mut self.random),
+                None => extinction.draw(self.throughput, &mut self.random),
+            };
             let hit = if flight.distance < clear {
                 None
             } else {
@@ -135,7 +160,7 @@ impl<C: RayCaster> Path<'_, C> {
             };
             let position = match hit {
                 Some(hit) if hit.t <= flight.distance => {
-                    self.throughput *= extinction.passage(&flight, hit.t);
+                    self.passes_over(&extinction, &flight, course.as_ref(), hit.t);
                     return Some(Walked::Met { from, hit });
                 }
                 Some(hit) => leave(&world.surface(&hit), -from.direction),
@@ -143,11 +168,15 @@ impl<C: RayCaster> Path<'_, C> {
             };
             if hit.is_none() && !bounds.contains(position) {
                 let distance = bounds.exit(from.origin, from.direction);
-                self.throughput *= extinction.passage(&flight, distance);
+                self.passes_over(&extinction, &flight, course.as_ref(), distance);
                 return Some(Walked::Escaped(self.escape(&from, body, distance)));
             }
             self.counters.collisions += 1;
             self.throughput *= extinction.collision(&flight, body.medium.sigma_s);
+            if let Some(Course { layer, heading, .. }) = &course {
+                let attenuation = extinction.attenuation(&flight, flight.distance);
+                self.weigh(layer.collision_ratio(heading, flight.distance, attenuation));
+            }
             if !self.plays(collision < ROULETTE_START, |path| path.random.next_f32()) {
                 return None;
             }
@@ -155,9 +184,13 @@ impl<C: RayCaster> Path<'_, C> {
             from = match self.cross_sphere(space, position, clear, draws_light) {
                 Some(beyond) => {
                     clear = self.clear_distance(space, beyond.origin);
+                    course = guide.map(|layer| self.set_out(layer, &beyond));
                     beyond
                 }
-                None => self.scatter(&body.medium, position, from.direction, draws_light.then_some(clear)),
+                None => {
+                    let lit = draws_light.then_some(clear);
+                    self.scatter(&body.medium, position, from.direction, lit, &mut course)
+                }
             };
         }
         None
@@ -187,23 +220,80 @@ impl<C: RayCaster> Path<'_, C> {
         body.ior == self.interiors.ior_around(body.instance) || self.renderer.is_lit_inside(body.instance)
     }
 
-    /// Takes a new direction from the phase function, and direct light if it can arrive; then `lit` is how far away any surface
-    /// is at least.
-    fn scatter(&mut self, medium: &Medium, position: Vec3, direction: Vec3, lit: Option<f32>) -> Next {
+    /// Weighs a flight that goes on at least to `distance`.
+    fn passes_over(
+        &mut self,
+        extinction: &Extinction,
+        flight: &Flight,
+        course: Option<&Course>,
+        distance: f32,
+    ) {
+        self.throughput *= extinction.passage(flight, distance);
+        if let Some(Course { layer, heading, .. }) = course {
+            self.weigh(layer.passage_ratio(heading, distance, extinction.attenuation(flight, distance)));
+        }
+    }
+
+    /// Takes a new direction, from the phase function or a guide, and direct light if it can arrive; then `lit` is how far away any surface
+    /// is at least. The `course`, if there is one, becomes that of the next flight.
+    fn scatter(
+        &mut self,
+        medium: &Medium,
+        position: Vec3,
+        direction: Vec3,
+        lit: Option<f32>,
+        course: &mut Option<Course>,
+    ) -> Next {
         let phase = HenyeyGreenstein { g: f64::from(medium.g) };
         let receiver = Receiver { position, normal: None };
+        let layer = course.map(|course| course.layer);
         if let Some(clear) = lit {
+            let technique = self.technique;
+            let channels = Channels::of(self.throughput);
             self.add_direct_inside(&receiver, clear, |wi| {
-                let density = phase.density(f64::from(wi.dot(direction))) as f32;
-                Response { value: Rgb::splat(density), density }
+                let value = phase.density(f64::from(wi.dot(direction))) as f32;
+                let density = layer.map_or(value, |layer| {
+                    technique.density_towards(&layer, position, [direction, wi], value, channels)
+                });
+                Response { value: Rgb::splat(value), density }
             });
         }
+        let turn = match layer {
+            Some(layer) => {
+                let (turn, next) = self.turn_guided(layer, phase, position, direction);
+                *course = Some(next);
+                turn
+            }
+            None => self.turn(phase, direction, |_, _| None),
+        };
+        self.scattered_from = lit.map(|_| Origin { receiver, density: turn.density });
+        Next { origin: position, direction: turn.direction }
+    }
+
+    /// Draws a direction by the phase function. `azimuth` may choose the azimuth of a deflection of given cosine: its cosine and sine,
+    /// where 0 is towards a direction that it tells.
+    pub(super) fn turn(
+        &mut self,
+        phase: HenyeyGreenstein,
+        direction: Vec3,
+        azimuth: impl FnOnce(&mut Self, f32) -> Option<(Vec3, [f32; 2])>,
+    ) -> Turn {
         let deflection = phase.sample(f64::from(self.random.next_f32()));
-        let (sin, cos) = (std::f32::consts::TAU * self.random.next_f32()).sin_cos();
+        let mut frame = Frame::from_normal(direction);
+        let [cos, sin] = match azimuth(self, deflection.cos as f32) {
+            Some((towards, azimuth)) => {
+                let tangent = (towards - direction * towards.dot(direction)).normalize_or(frame.tangent);
+                frame = Frame { tangent, bitangent: direction.cross(tangent), normal: direction };
+                azimuth
+            }
+            None => {
+                let (sin, cos) = (std::f32::consts::TAU * self.random.next_f32()).sin_cos();
+                [cos, sin]
+            }
+        };
         let across = deflection.sin as f32;
         let local = Vec3::new(across * cos, across * sin, deflection.cos as f32);
-        self.scattered_from = lit.map(|_| Origin { receiver, density: phase.density(deflection.cos) as f32 });
-        Next { origin: position, direction: Frame::from_normal(direction).to_world(local).normalize() }
+        Turn { direction: frame.to_world(local).normalize(), density: phase.density(deflection.cos) as f32 }
     }
 
     /// Light drawn directly for light that is at `receiver` in the body, `clear` away from any surface, and would go on as

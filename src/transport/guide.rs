@@ -1,0 +1,283 @@
+//! Guides of walks in bodies that absorb: the zero-variance densities of [`crate::medium::dwivedi`] for three channels, towards a
+//! plane where light leaves and towards one on the other side.
+//!
+//! **Lobes.** In a layer of thickness D light is brought out of depth z in proportion to e^(−κz) by one side and
+//! e^(−κ(D − z)) by the other, κ the rate of decay of a channel. In this proportion a guide draws towards either side, by
+//! a channel in proportion to the light it carries; in the remaining share [`PLAIN`] it draws like the classic walk. Direction and distance
+//! of a flight are drawn by the same lobe.
+//!
+//! Nothing here has to be right for a walk to be: guides say only how likely they draw what they draw.
+
+use glam::Vec3;
+
+use super::spread::Channels;
+use crate::math::sampler::HashGenerator;
+use crate::medium::dwivedi::Mode;
+use crate::medium::{Medium, PlanarAlbedo};
+use crate::radiometry::Rgb;
+
+fn tune(name: &str, default: f32) -> f32 {
+    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default)
+}
+
+/// Share of a guide's flights that are drawn like the classic walk's.
+pub static PLAIN: std::sync::LazyLock<f32> = std::sync::LazyLock::new(|| tune("G_PLAIN", 0.1));
+
+/// The albedo, of the isotropic medium that is similar, up to which guides are worth while.
+static MOST_ALBEDO: std::sync::LazyLock<f32> = std::sync::LazyLock::new(|| tune("G_MOST", 0.99));
+static LEVEL: std::sync::LazyLock<f32> = std::sync::LazyLock::new(|| tune("G_LEVEL", 1.0));
+
+/// The mean cosine of phase functions up to which a guide draws the deflection too, not only its azimuth.
+const MOST_ISOTROPIC: f32 = 0.2;
+
+/// The least that walks can be expected to bring out.
+const LEAST_EXPECTED: f32 = 1.0 / 64.0;
+
+/// The largest exponent of a stretch, so that none overflows; what exceeds it weighs nothing.
+const MOST_STRETCHED: f32 = 80.0;
+
+/// A guide of walks in a medium.
+#[derive(Clone, Copy, Debug)]
+pub struct Guide {
+    medium: Medium,
+    sigma_t: Rgb,
+    /// By channel; none where so little is absorbed that the classic walk is as good.
+    modes: [Option<Mode>; 3],
+    /// κ, 1/m.
+    decay: Rgb,
+    /// All channels are the same.
+    gray: bool,
+    /// Only the azimuth of a deflection is guided.
+    azimuthal: bool,
+    /// What light that has entered is expected to bring out, in the channel that brings out most.
+    expected: f32,
+}
+
+/// How a flight is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lobe {
+    /// Like the classic walk's.
+    Plain,
+    /// By a channel, towards the plane where the walk began.
+    Outwards(usize),
+    /// By a channel, away from there.
+    Inwards(usize),
+}
+
+/// A guide in a body: towards the plane where a walk began.
+#[derive(Clone, Copy, Debug)]
+pub struct Layer {
+    guide: Guide,
+    normal: Vec3,
+    /// Of the plane, along the normal, m.
+    height: f32,
+    /// m.
+    thickness: f32,
+}
+
+/// A direction that light takes, and how likely guides draw it.
+#[derive(Clone, Copy, Debug)]
+pub struct Heading {
+    /// Cosine to the plane's normal.
+    cosine: f32,
+    /// Densities of the lobes times their shares, relative to the classic walk's density.
+    outwards: Rgb,
+    inwards: Rgb,
+    channels: Channels,
+}
+
+/// A scattering by the phase function.
+#[derive(Clone, Copy, Debug)]
+pub struct Deflection {
+    /// Direction before.
+    pub before: Vec3,
+    /// Direction after.
+    pub after: Vec3,
+    /// Phase function, 1/sr.
+    pub phase: f32,
+}
+
+impl Guide {
+    /// Of a medium in a half-space whose albedo is `planar`; none where the classic walk is as good.
+    pub fn new(medium: &Medium, planar: &PlanarAlbedo) -> Option<Self> {
+        let absorbed = medium.absorbed_share_reduced();
+        let is_bright = |c: usize| absorbed[c] < 1.0 - *MOST_ALBEDO;
+        let sigma_t = medium.sigma_t();
+        if (0..3).all(is_bright) || !sigma_t.is_finite() || sigma_t.min_component() <= 0.0 {
+            return None;
+        }
+        let mode = |c: usize| (!is_bright(c)).then(|| Mode::new(1.0 - f64::from(absorbed[c])));
+        let modes = [mode(0), mode(1), mode(2)];
+        let reduced = medium.sigma_t_reduced().zip(sigma_t, f32::min);
+        let is_same = |values: Rgb| values[0] == values[1] && values[0] == values[2];
+        Some(Self {
+            medium: *medium,
+            sigma_t,
+            modes,
+            decay: Rgb::from_fn(|c| modes[c].map_or(0.0, |mode| mode.decay() * reduced[c])),
+            gray: is_same(sigma_t) && is_same(absorbed),
+            azimuthal: medium.g.abs() > MOST_ISOTROPIC,
+            expected: (*LEVEL * absorbed.map(|x| planar.albedo(x)).max_component())
+                .clamp(LEAST_EXPECTED, 1.0),
+        })
+    }
+
+    /// The medium.
+    pub fn medium(&self) -> &Medium {
+        &self.medium
+    }
+
+    /// Share of the light entered that is expected to leave again.
+    pub fn expected(&self) -> f32 {
+        self.expected
+    }
+
+    /// Channels that differ.
+    fn count(&self) -> usize {
+        if self.gray { 1 } else { 3 }
+    }
+}
+
+impl Layer {
+    /// Below the plane through `origin` with outward unit `normal`; `thickness` in m.
+    pub fn new(guide: Guide, origin: Vec3, normal: Vec3, thickness: f32) -> Self {
+        Self { guide, normal, height: normal.dot(origin), thickness }
+    }
+
+    /// Share of the light of channel `c` that the other side brings out of `point`.
+    fn inward_share(&self, c: usize, point: Vec3) -> f32 {
+        let depth = self.height - self.normal.dot(point);
+        1.0 / (1.0 + (self.guide.decay[c] * (self.thickness - 2.0 * depth)).exp())
+    }
+
+    /// Probability of channel `c`, of those that differ.
+    fn share(&self, c: usize, channels: &Channels) -> f32 {
+        if self.guide.gray { 1.0 } else { channels.probability(c) }
+    }
+
+    /// Draws by which lobe to go on from `point`.
+    pub fn draw_lobe(&self, point: Vec3, channels: &Channels, random: &mut HashGenerator) -> Lobe {
+        if random.next_f32() < *PLAIN {
+            return Lobe::Plain;
+        }
+        let c = if self.guide.gray { 0 } else { channels.draw(Rgb::ONE, random.next_f32()) };
+        if random.next_f32() < self.inward_share(c, point) { Lobe::Inwards(c) } else { Lobe::Outwards(c) }
+    }
+
+    /// Going on from `point` in a given direction.
+    pub fn straight(&self, point: Vec3, direction: Vec3, channels: Channels) -> Heading {
+        self.heading(point, direction, channels, |_, _| 1.0)
+    }
+
+    /// Going on from `point` after a deflection.
+    pub fn deflected(&self, point: Vec3, deflection: &Deflection, channels: Channels) -> Heading {
+        let before = deflection.before.dot(self.normal);
+        let after = deflection.after.dot(self.normal);
+        let cos = deflection.before.dot(deflection.after);
+        self.heading(point, deflection.after, channels, |mode, side| match self.guide.azimuthal {
+            true => mode.azimuth_density(cos, side * before, side * after),
+            false => mode.density(side * after) / deflection.phase,
+        })
+    }
+
+    fn heading(
+        &self,
+        point: Vec3,
+        direction: Vec3,
+        channels: Channels,
+        relative: impl Fn(&Mode, f32) -> f32,
+    ) -> Heading {
+        let (mut outwards, mut inwards) = (Rgb::ZERO, Rgb::ZERO);
+        for c in 0..self.guide.count() {
+            let share = (1.0 - *PLAIN) * self.share(c, &channels);
+            let inward = self.inward_share(c, point);
+            let density = |side| self.guide.modes[c].as_ref().map_or(1.0, |mode| relative(mode, side));
+            outwards.0[c] = share * (1.0 - inward) * density(1.0);
+            inwards.0[c] = share * inward * density(-1.0);
+        }
+        Heading { cosine: direction.dot(self.normal), outwards, inwards, channels }
+    }
+
+    /// Draws the cosine of a direction to the plane's normal; none if the phase function draws it.
+    pub fn draw_cosine(&self, lobe: Lobe, random: &mut HashGenerator) -> Option<f32> {
+        let (mode, side) = self.mode(lobe).filter(|_| !self.guide.azimuthal)?;
+        Some(side * mode.sample(random.next_f32()))
+    }
+
+    /// Draws the azimuth of a deflection from `before` by an angle of cosine `deflection`: its cosine, and sine, around `before` where 0 is
+    /// towards the plane's normal. None if the phase function draws it.
+    pub fn draw_azimuth(
+        &self,
+        lobe: Lobe,
+        deflection: f32,
+        before: Vec3,
+        random: &mut HashGenerator,
+    ) -> Option<[f32; 2]> {
+        let (mode, side) = self.mode(lobe).filter(|_| self.guide.azimuthal)?;
+        let [cos, sin] = mode.sample_azimuth(deflection, side * before.dot(self.normal), random.next_f32());
+        Some([side * cos, sin])
+    }
+
+    fn mode(&self, lobe: Lobe) -> Option<(&Mode, f32)> {
+        let (c, side) = match lobe {
+            Lobe::Plain => return None,
+            Lobe::Outwards(c) => (c, 1.0),
+            Lobe::Inwards(c) => (c, -1.0),
+        };
+        Some((self.guide.modes[c].as_ref()?, side))
+    }
+
+    /// The plane's outward normal.
+    pub fn normal(&self) -> Vec3 {
+        self.normal
+    }
+
+    /// The coefficient, 1/m, by which `lobe` draws flights, and its channel; none if the classic walk's are drawn.
+    pub fn coefficient(&self, lobe: Lobe, heading: &Heading) -> Option<(usize, f32)> {
+        let (c, side) = match lobe {
+            Lobe::Plain => return None,
+            Lobe::Outwards(c) => (c, 1.0),
+            Lobe::Inwards(c) => (c, -1.0),
+        };
+        Some((c, self.guide.sigma_t[c] - side * self.guide.decay[c] * heading.cosine))
+    }
+
+    /// How much likelier guides draw a collision after `distance` than the classic walk, given `attenuation` over it in any unit.
+    pub fn collision_ratio(&self, heading: &Heading, distance: f32, attenuation: Rgb) -> f32 {
+        self.ratio(heading, distance, attenuation, |c, side| {
+            self.guide.sigma_t[c] - side * self.guide.decay[c] * heading.cosine
+        })
+    }
+
+    /// How much likelier guides draw a flight that goes on at least to `distance`.
+    pub fn passage_ratio(&self, heading: &Heading, distance: f32, attenuation: Rgb) -> f32 {
+        self.ratio(heading, distance, attenuation, |_, _| 1.0)
+    }
+
+    fn ratio(
+        &self,
+        heading: &Heading,
+        distance: f32,
+        attenuation: Rgb,
+        factor: impl Fn(usize, f32) -> f32,
+    ) -> f32 {
+        let (mut guided, mut classic) = (0.0, 0.0);
+        for c in 0..self.guide.count() {
+            let exponent = self.guide.decay[c] * heading.cosine * distance;
+            let stretched = exponent.clamp(-MOST_STRETCHED, MOST_STRETCHED).exp();
+            let lobes = heading.outwards[c] * factor(c, 1.0) * stretched
+                + heading.inwards[c] * factor(c, -1.0) / stretched;
+            guided += attenuation[c] * lobes;
+            let plain = 0.5 * (factor(c, 1.0) + factor(c, -1.0));
+            classic += attenuation[c] * self.share(c, &heading.channels) * plain;
+        }
+        *PLAIN + guided / classic
+    }
+}
+
+impl Heading {
+    /// How much likelier guides draw the direction than the classic walk.
+    pub fn ratio(&self) -> f32 {
+        *PLAIN + (self.outwards + self.inwards).0.iter().sum::<f32>()
+    }
+}
