@@ -7,6 +7,15 @@
 //! of a flight are drawn by the same lobe.
 //!
 //! Nothing here has to be right for a walk to be: guides say only how likely they draw what they draw.
+//!
+//! **Where walks are guided.** A guide costs time at each collision. It pays where light is lost for having gone astray:
+//!
+//! - where it is absorbed before it would find its way out by itself, up to [`MOST_ALBEDO`];
+//! - where it can be turned around at a collision, up to [`MOST_FORWARD`]: after forward scattering only its azimuth could be chosen;
+//! - where it can go astray, from [`LEAST_THICKNESS`] on: out of less it comes on any way;
+//! - where the body brings out more than its boundary mirrors: below, noise is that of mirrored light.
+//!
+//! Elsewhere the walk is the classic one.
 
 use glam::Vec3;
 
@@ -21,14 +30,16 @@ fn tune(name: &str, default: f32) -> f32 {
 }
 
 /// Share of a guide's flights that are drawn like the classic walk's.
-pub static PLAIN: std::sync::LazyLock<f32> = std::sync::LazyLock::new(|| tune("G_PLAIN", 0.1));
+pub static PLAIN: std::sync::LazyLock<f32> = std::sync::LazyLock::new(|| tune("G_PLAIN", 0.25));
 
-/// The albedo, of the isotropic medium that is similar, up to which guides are worth while.
-static MOST_ALBEDO: std::sync::LazyLock<f32> = std::sync::LazyLock::new(|| tune("G_MOST", 0.99));
-static LEVEL: std::sync::LazyLock<f32> = std::sync::LazyLock::new(|| tune("G_LEVEL", 1.0));
+/// The largest albedo of a channel that is guided.
+const MOST_ALBEDO: f32 = 0.99;
 
-/// The mean cosine of phase functions up to which a guide draws the deflection too, not only its azimuth.
-const MOST_ISOTROPIC: f32 = 0.2;
+/// The largest mean cosine of a phase function, either way, whose light is guided.
+const MOST_FORWARD: f32 = 0.2;
+
+/// The least thickness of a layer that is guided, in free paths.
+static LEAST_THICKNESS: std::sync::LazyLock<f32> = std::sync::LazyLock::new(|| tune("G_THICK", 3.0));
 
 /// The least that walks can be expected to bring out.
 const LEAST_EXPECTED: f32 = 1.0 / 64.0;
@@ -39,7 +50,6 @@ const MOST_STRETCHED: f32 = 80.0;
 /// A guide of walks in a medium.
 #[derive(Clone, Copy, Debug)]
 pub struct Guide {
-    medium: Medium,
     sigma_t: Rgb,
     /// By channel; none where so little is absorbed that the classic walk is as good.
     modes: [Option<Mode>; 3],
@@ -47,8 +57,6 @@ pub struct Guide {
     decay: Rgb,
     /// All channels are the same.
     gray: bool,
-    /// Only the azimuth of a deflection is guided.
-    azimuthal: bool,
     /// What light that has entered is expected to bring out, in the channel that brings out most.
     expected: f32,
 }
@@ -86,45 +94,31 @@ pub struct Heading {
     channels: Channels,
 }
 
-/// A scattering by the phase function.
-#[derive(Clone, Copy, Debug)]
-pub struct Deflection {
-    /// Direction before.
-    pub before: Vec3,
-    /// Direction after.
-    pub after: Vec3,
-    /// Phase function, 1/sr.
-    pub phase: f32,
-}
-
 impl Guide {
-    /// Of a medium in a half-space whose albedo is `planar`; none where the classic walk is as good.
-    pub fn new(medium: &Medium, planar: &PlanarAlbedo) -> Option<Self> {
+    /// Of a medium in a half-space whose albedo is `planar` and whose boundary reflects `mirrored` at normal incidence; none where the
+    /// classic walk is as good.
+    pub fn new(medium: &Medium, planar: &PlanarAlbedo, mirrored: f32) -> Option<Self> {
         let absorbed = medium.absorbed_share_reduced();
-        let is_bright = |c: usize| absorbed[c] < 1.0 - *MOST_ALBEDO;
         let sigma_t = medium.sigma_t();
-        if (0..3).all(is_bright) || !sigma_t.is_finite() || sigma_t.min_component() <= 0.0 {
+        let is_absorbing = |c: usize| absorbed[c] >= 1.0 - MOST_ALBEDO;
+        let pays = (0..3).any(is_absorbing) && medium.g.abs() <= MOST_FORWARD;
+        if !pays || !sigma_t.is_finite() || sigma_t.min_component() <= 0.0 {
             return None;
         }
-        let mode = |c: usize| (!is_bright(c)).then(|| Mode::new(1.0 - f64::from(absorbed[c])));
+        let expected = absorbed.map(|share| planar.albedo(share)).max_component();
+        if expected < mirrored {
+            return None;
+        }
+        let mode = |c: usize| is_absorbing(c).then(|| Mode::new(1.0 - f64::from(absorbed[c])));
         let modes = [mode(0), mode(1), mode(2)];
-        let reduced = medium.sigma_t_reduced().zip(sigma_t, f32::min);
         let is_same = |values: Rgb| values[0] == values[1] && values[0] == values[2];
         Some(Self {
-            medium: *medium,
             sigma_t,
             modes,
-            decay: Rgb::from_fn(|c| modes[c].map_or(0.0, |mode| mode.decay() * reduced[c])),
+            decay: Rgb::from_fn(|c| modes[c].map_or(0.0, |mode| mode.decay() * sigma_t[c])),
             gray: is_same(sigma_t) && is_same(absorbed),
-            azimuthal: medium.g.abs() > MOST_ISOTROPIC,
-            expected: (*LEVEL * absorbed.map(|x| planar.albedo(x)).max_component())
-                .clamp(LEAST_EXPECTED, 1.0),
+            expected: expected.clamp(LEAST_EXPECTED, 1.0),
         })
-    }
-
-    /// The medium.
-    pub fn medium(&self) -> &Medium {
-        &self.medium
     }
 
     /// Share of the light entered that is expected to leave again.
@@ -139,9 +133,11 @@ impl Guide {
 }
 
 impl Layer {
-    /// Below the plane through `origin` with outward unit `normal`; `thickness` in m.
-    pub fn new(guide: Guide, origin: Vec3, normal: Vec3, thickness: f32) -> Self {
-        Self { guide, normal, height: normal.dot(origin), thickness }
+    /// Below the plane through `origin` with outward unit `normal`; `thickness` in m. None where it is so thin that the classic walk is as
+    /// good.
+    pub fn new(guide: Guide, origin: Vec3, normal: Vec3, thickness: f32) -> Option<Self> {
+        let is_thick = thickness * guide.sigma_t.min_component() >= *LEAST_THICKNESS;
+        is_thick.then(|| Self { guide, normal, height: normal.dot(origin), thickness })
     }
 
     /// Share of the light of channel `c` that the other side brings out of `point`.
@@ -169,15 +165,10 @@ impl Layer {
         self.heading(point, direction, channels, |_, _| 1.0)
     }
 
-    /// Going on from `point` after a deflection.
-    pub fn deflected(&self, point: Vec3, deflection: &Deflection, channels: Channels) -> Heading {
-        let before = deflection.before.dot(self.normal);
-        let after = deflection.after.dot(self.normal);
-        let cos = deflection.before.dot(deflection.after);
-        self.heading(point, deflection.after, channels, |mode, side| match self.guide.azimuthal {
-            true => mode.azimuth_density(cos, side * before, side * after),
-            false => mode.density(side * after) / deflection.phase,
-        })
+    /// Going on from `point` in a direction that the phase function draws with density `phase`, 1/sr.
+    pub fn turned(&self, point: Vec3, direction: Vec3, phase: f32, channels: Channels) -> Heading {
+        let cosine = direction.dot(self.normal);
+        self.heading(point, direction, channels, |mode, side| mode.density(side * cosine) / phase)
     }
 
     fn heading(
@@ -200,22 +191,8 @@ impl Layer {
 
     /// Draws the cosine of a direction to the plane's normal; none if the phase function draws it.
     pub fn draw_cosine(&self, lobe: Lobe, random: &mut HashGenerator) -> Option<f32> {
-        let (mode, side) = self.mode(lobe).filter(|_| !self.guide.azimuthal)?;
+        let (mode, side) = self.mode(lobe)?;
         Some(side * mode.sample(random.next_f32()))
-    }
-
-    /// Draws the azimuth of a deflection from `before` by an angle of cosine `deflection`: its cosine, and sine, around `before` where 0 is
-    /// towards the plane's normal. None if the phase function draws it.
-    pub fn draw_azimuth(
-        &self,
-        lobe: Lobe,
-        deflection: f32,
-        before: Vec3,
-        random: &mut HashGenerator,
-    ) -> Option<[f32; 2]> {
-        let (mode, side) = self.mode(lobe).filter(|_| self.guide.azimuthal)?;
-        let [cos, sin] = mode.sample_azimuth(deflection, side * before.dot(self.normal), random.next_f32());
-        Some([side * cos, sin])
     }
 
     fn mode(&self, lobe: Lobe) -> Option<(&Mode, f32)> {

@@ -9,7 +9,7 @@ use super::spread::{Spread, Spreading, resolvable};
 use crate::diffusion::{DirectionalWeightTable, HalfSpaceError, ModelKind, NormalizedDiffusion, ProfileKind};
 use crate::medium::albedo_inversion::unreduced_share;
 use crate::medium::{Medium, PlanarAlbedo};
-use crate::optics::{Boundary, Interface};
+use crate::optics::{Boundary, Interface, fresnel_dielectric};
 use crate::radiometry::Rgb;
 use crate::scene::{Method, ScatteringInput, Scene, Surface};
 
@@ -114,8 +114,12 @@ impl Immersed {
     pub fn guide(&self, medium: &Medium) -> Option<Guide> {
         match &self.guide {
             Some((prepared, guide)) if prepared == medium => *guide,
-            _ => Guide::new(medium, &self.planar),
+            _ => self.new_guide(medium),
         }
+    }
+
+    fn new_guide(&self, medium: &Medium) -> Option<Guide> {
+        Guide::new(medium, &self.planar, fresnel_dielectric(1.0, self.boundary.eta()).reflectance)
     }
 
     /// The dependence of the profile on the direction of entry, if it has one.
@@ -171,7 +175,7 @@ impl Scatterer {
             immersed.constant = scatterer.constant(&immersed);
             if let Some(local) = immersed.constant.filter(|_| walks) {
                 let medium = scatterer.medium_of(&local);
-                immersed.guide = Some((medium, Guide::new(&medium, &immersed.planar)));
+                immersed.guide = Some((medium, immersed.new_guide(&medium)));
             }
             scatterer.immersed.push(immersed);
         }

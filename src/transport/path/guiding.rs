@@ -21,7 +21,7 @@ use super::{Next, Path};
 use crate::math::Frame;
 use crate::optics::phase::HenyeyGreenstein;
 use crate::raycast::RayCaster;
-use crate::transport::guide::{Deflection, Guide, Heading, Layer, Lobe};
+use crate::transport::guide::{Guide, Heading, Layer, Lobe};
 use crate::transport::interiors::Interior;
 use crate::transport::spread::Channels;
 use crate::transport::substance::Substance;
@@ -59,16 +59,16 @@ impl Technique {
         (*CLASSIC + (1.0 - *CLASSIC) * self.ratio * ratio) * self.weight()
     }
 
-    /// Density per solid angle, 1/sr, of a turn at `position` from one direction to another, whose phase function is `phase`.
+    /// Density per solid angle, 1/sr, of a turn at `position` to the direction `after`, whose phase function is `phase`.
     pub fn density_towards(
         &self,
         layer: &Layer,
         position: Vec3,
-        [before, after]: [Vec3; 2],
+        after: Vec3,
         phase: f32,
         channels: Channels,
     ) -> f32 {
-        let heading = layer.deflected(position, &Deflection { before, after, phase }, channels);
+        let heading = layer.turned(position, after, phase, channels);
         phase * self.density(heading.ratio())
     }
 }
@@ -91,13 +91,15 @@ impl<C: RayCaster> Path<'_, C> {
         let guide = self.guide_of(body)?;
         let normal = self.entrance?;
         let normal = if normal.dot(from.direction) > 0.0 { -normal } else { normal };
+        let layer = Layer::new(guide, from.origin, normal, self.bounds(body).exit(from.origin, -normal))?;
         if self.technique.guided.is_none() {
             self.technique.guided = Some(self.random.next_f32() >= *CLASSIC);
         }
         self.expected = self.expected.min(guide.expected());
-        Some(Layer::new(guide, from.origin, normal, self.bounds(body).exit(from.origin, -normal)))
+        Some(layer)
     }
 
+    /// The guide of the medium in `body`, if it has one.
     fn guide_of(&self, body: &Interior) -> Option<Guide> {
         let renderer = self.renderer;
         let Substance::Material(material) = renderer.world.substance(body.instance) else { return None };
@@ -139,13 +141,9 @@ impl<C: RayCaster> Path<'_, C> {
                 let after = Frame::from_normal(layer.normal()).to_world(local).normalize();
                 Turn { direction: after, density: phase.density(f64::from(after.dot(direction))) as f32 }
             }
-            None => self.turn(phase, direction, |path, cos| {
-                let azimuth = layer.draw_azimuth(lobe, cos, direction, &mut path.random)?;
-                Some((layer.normal(), azimuth))
-            }),
+            None => self.turn(phase, direction),
         };
-        let deflection = Deflection { before: direction, after: turn.direction, phase: turn.density };
-        let heading = layer.deflected(position, &deflection, channels);
+        let heading = layer.turned(position, turn.direction, turn.density, channels);
         let density = turn.density * self.technique.density(heading.ratio());
         (Turn { density, ..turn }, Course { layer, heading, lobe })
     }

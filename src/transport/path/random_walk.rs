@@ -253,7 +253,7 @@ impl<C: RayCaster> Path<'_, C> {
             self.add_direct_inside(&receiver, clear, |wi| {
                 let value = phase.density(f64::from(wi.dot(direction))) as f32;
                 let density = layer.map_or(value, |layer| {
-                    technique.density_towards(&layer, position, [direction, wi], value, channels)
+                    technique.density_towards(&layer, position, wi, value, channels)
                 });
                 Response { value: Rgb::splat(value), density }
             });
@@ -264,36 +264,22 @@ impl<C: RayCaster> Path<'_, C> {
                 *course = Some(next);
                 turn
             }
-            None => self.turn(phase, direction, |_, _| None),
+            None => self.turn(phase, direction),
         };
         self.scattered_from = lit.map(|_| Origin { receiver, density: turn.density });
         Next { origin: position, direction: turn.direction }
     }
 
-    /// Draws a direction by the phase function. `azimuth` may choose the azimuth of a deflection of given cosine: its cosine and sine,
-    /// where 0 is towards a direction that it tells.
-    pub(super) fn turn(
-        &mut self,
-        phase: HenyeyGreenstein,
-        direction: Vec3,
-        azimuth: impl FnOnce(&mut Self, f32) -> Option<(Vec3, [f32; 2])>,
-    ) -> Turn {
+    /// Draws a direction by the phase function.
+    pub(super) fn turn(&mut self, phase: HenyeyGreenstein, direction: Vec3) -> Turn {
         let deflection = phase.sample(f64::from(self.random.next_f32()));
-        let mut frame = Frame::from_normal(direction);
-        let [cos, sin] = match azimuth(self, deflection.cos as f32) {
-            Some((towards, azimuth)) => {
-                let tangent = (towards - direction * towards.dot(direction)).normalize_or(frame.tangent);
-                frame = Frame { tangent, bitangent: direction.cross(tangent), normal: direction };
-                azimuth
-            }
-            None => {
-                let (sin, cos) = (std::f32::consts::TAU * self.random.next_f32()).sin_cos();
-                [cos, sin]
-            }
-        };
+        let (sin, cos) = (std::f32::consts::TAU * self.random.next_f32()).sin_cos();
         let across = deflection.sin as f32;
         let local = Vec3::new(across * cos, across * sin, deflection.cos as f32);
-        Turn { direction: frame.to_world(local).normalize(), density: phase.density(deflection.cos) as f32 }
+        Turn {
+            direction: Frame::from_normal(direction).to_world(local).normalize(),
+            density: phase.density(deflection.cos) as f32,
+        }
     }
 
     /// Light drawn directly for light that is at `receiver` in the body, `clear` away from any surface, and would go on as
