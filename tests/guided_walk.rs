@@ -7,9 +7,7 @@ use alabaster::medium::dwivedi::Mode;
 use alabaster::radiometry::Rgb;
 use alabaster::scene::{Environment, Light, Material, Mesh, Method, ScatteringInput, Scene, Surface, shape};
 use alabaster::transport::{RenderOptions, Renderer};
-use common::scenes::{
-    Caster, Statistics, caster, furnace, join, l_shape, options, white,
-};
+use common::scenes::{Caster, Statistics, caster, furnace, join, l_shape, options, white};
 use common::walks::{Found, trace, walker};
 use glam::{Quat, Vec3};
 
@@ -27,10 +25,7 @@ fn absorbing(ior: f32, albedo: [f32; 3], sigma_t: f32, g: f32) -> Material {
     let albedo = Rgb::from_fn(|c| albedo[c]);
     let sigma_a = (Rgb::ONE - albedo) * sigma_t;
     let medium = ScatteringInput::Coefficients { sigma_a, sigma_s: albedo * sigma_t, g };
-    Material {
-        surface: Surface::Translucent { ior, roughness: 0.0, medium },
-        ..white(ior, 0.0, Rgb::ONE)
-    }
+    Material { surface: Surface::Translucent { ior, roughness: 0.0, medium }, ..white(ior, 0.0, Rgb::ONE) }
 }
 
 /// A body under a lamp in a dim room.
@@ -83,30 +78,34 @@ fn both(scene: Scene, paths: u64) -> [Found; 2] {
 fn guides_change_no_mean() {
     let bodies = [
         ("sphere", shape::sphere(Vec3::ZERO, 1.0, 4), 8.0),
-        ("box", shape::cuboid(Vec3::ZERO, Vec3::new(1.4, 0.8, 1.2)), 5.0),
-        ("slab", shape::cuboid(Vec3::ZERO, Vec3::new(4.0, 0.3, 4.0)), 6.0),
+        ("box", shape::cuboid(Vec3::ZERO, Vec3::new(1.4, 0.8, 1.2)), 6.0),
+        ("slab", shape::cuboid(Vec3::ZERO, Vec3::new(4.0, 0.3, 4.0)), 16.0),
         ("concave L", l_shape(), 4.0),
         ("skull", skull(), 10.0),
     ];
     let albedos = [[0.3; 3], [0.7, 0.5, 0.6], [0.9; 3], [0.95, 0.4, 0.8], [0.9999, 0.6, 0.97]];
     let mut squares = Statistics::default();
     for (name, mesh, sigma_t) in bodies {
-        for (ior, g) in [(1.0, 0.0), (1.5, 0.0), (1.0, 0.8), (1.5, 0.8)] {
+        for (ior, g) in [(1.0, 0.0), (1.5, 0.0), (1.0, 0.2), (1.5, 0.2)] {
             for albedo in albedos {
                 let scene = lit(mesh.clone(), absorbing(ior, albedo, sigma_t / (1.0 - g), g));
                 let name = format!("{name}, η {ior}, g {g}, ω {albedo:?}");
                 let [classic, guided] = both(scene, PATHS);
                 let z = pull(&classic.mean, &guided.mean);
                 let (mean, sigma) = (classic.mean.mean(), classic.mean.standard_error());
-                println!("{name}: {mean:.5} ± {sigma:.5}, guided {z:+.2} σ, largest {:.2} {:.2}",
-                    classic.mean.max, guided.mean.max);
+                println!(
+                    "{name}: {mean:.5} ± {sigma:.5}, guided {z:+.2} σ, largest {:.2} {:.2}",
+                    classic.mean.max, guided.mean.max
+                );
                 assert!(z.abs() < 3.0, "{name}: {z} σ");
                 for (a, b) in classic.radiance.iter().zip(&guided.radiance) {
                     assert!(pull(a, b).abs() < 4.0, "{name}: {} σ", pull(a, b));
                 }
                 assert!(sigma < 0.03 * mean, "{name}: {sigma} of {mean}");
                 assert_eq!((guided.counters.capped_paths, guided.counters.rejected), (0, 0), "{name}");
-                assert!(guided.counters.collisions != classic.counters.collisions, "{name}: no guide");
+                // Of light that enters, less comes back than the boundary mirrors.
+                let dim = ior > 1.0 && albedo[0] < 0.5;
+                assert!(dim || guided.counters.collisions != classic.counters.collisions, "{name}: no guide");
                 assert!(guided.mean.max <= BOUND * classic.mean.max, "{name}: {}", guided.mean.max);
                 squares.add(z * z);
             }
@@ -124,8 +123,8 @@ const PATHS: u64 = 12_000;
 #[test]
 fn no_path_weighs_more_than_the_bound() {
     let mesh = shape::cuboid(Vec3::ZERO, Vec3::splat(1.0));
-    for g in [0.0, 0.8] {
-        for albedo in [[0.5; 3], [0.9; 3], [0.9999, 0.3, 0.9]] {
+    for g in [0.0, 0.2] {
+        for albedo in [[0.7; 3], [0.9; 3], [0.9999, 0.3, 0.9]] {
             let scene = furnace(mesh.clone(), absorbing(1.5, albedo, 6.0 / (1.0 - g), g));
             let corner = |sample| {
                 let mut random = HashGenerator::new(sample);
@@ -139,9 +138,27 @@ fn no_path_weighs_more_than_the_bound() {
             let z = pull(&classic.mean, &guided.mean);
             println!("g {g}, ω {albedo:?}: {:.3} {:.3}, {z:+.2} σ", largest(&classic), largest(&guided));
             // A hundred roundings.
+            assert!(guided.counters.collisions != classic.counters.collisions, "no guide");
             assert!(classic.mean.max < 1.0 + 1e-5 && guided.mean.max < BOUND * (1.0 + 1e-5));
             assert!(z.abs() < 3.0, "{z} σ");
         }
+    }
+}
+
+/// Where guides do not pay there are none: the picture is that of the classic walk, bit for bit.
+#[test]
+fn what_guides_do_not_help_is_left_alone() {
+    let sphere = || shape::sphere(Vec3::ZERO, 1.0, 4);
+    let bodies = [
+        ("scatters forwards", absorbing(1.5, [0.8; 3], 40.0, 0.8)),
+        ("is thin", absorbing(1.5, [0.8; 3], 2.0, 0.0)),
+        ("absorbs next to nothing", absorbing(1.5, [0.9999; 3], 8.0, 0.0)),
+        ("brings out next to nothing", absorbing(1.5, [0.1; 3], 8.0, 0.0)),
+    ];
+    for (name, material) in bodies {
+        let [classic, guided] = both(lit(sphere(), material), 1000);
+        assert_eq!(classic.mean.mean(), guided.mean.mean(), "{name}");
+        assert_eq!(classic.counters.collisions, guided.counters.collisions, "{name}");
     }
 }
 
@@ -184,7 +201,7 @@ fn half_space(albedo: f32, guided: Option<bool>, paths: u64) -> Statistics {
 /// The densities that guides weigh by are those by which they draw, and it shows if one does not weigh.
 #[test]
 fn without_weights_guides_are_too_bright() {
-    for albedo in [0.5, 0.8, 0.95] {
+    for albedo in [0.6, 0.8, 0.95] {
         let [classic, guided, naive] =
             [None, Some(true), Some(false)].map(|guided| half_space(albedo, guided, 100_000));
         let right = pull(&classic, &guided);

@@ -20,7 +20,7 @@ use std::f32::consts::TAU;
 
 /// Albedos that modes are made for. Light in darker media leaves from so near the surface that the form of great depth, which looks
 /// straight out, is worse than that of a brighter one; in brighter ones single precision no longer resolves that directions differ.
-const ALBEDOS: [f64; 2] = [0.6, 0.9999];
+const ALBEDOS: [f64; 2] = [0.7, 0.9999];
 
 /// What light brings out of the depth of a medium of one albedo.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,9 +34,9 @@ pub struct Mode {
 }
 
 impl Mode {
-    /// Of single-scattering `albedo`; outside of [0.6, 0.9999] that of the nearer end.
+    /// Of single-scattering `albedo`; outside of [0.7, 0.9999] that of the nearer end.
     pub fn new(albedo: f64) -> Self {
-        let albedo = albedo.max(least()).min(ALBEDOS[1]);
+        let albedo = albedo.max(ALBEDOS[0]).min(ALBEDOS[1]);
         let s = albedo.powf(2.442_94 - 0.021_581_3 * albedo + 0.578_637 / albedo);
         let decay = (1.0 - s).sqrt();
         let rest = s / (1.0 + decay);
@@ -67,10 +67,6 @@ impl Mode {
     }
 }
 
-fn least() -> f64 {
-    std::env::var("G_LEAST").ok().and_then(|v| v.parse().ok()).unwrap_or(ALBEDOS[0])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -78,7 +74,7 @@ mod tests {
     use crate::math::sampler::HashGenerator;
     use std::f64::consts::TAU;
 
-    const TESTED: [f64; 6] = [0.6, 0.8, 0.9, 0.99, 0.999, 0.9999];
+    const TESTED: [f64; 6] = [0.7, 0.8, 0.9, 0.99, 0.999, 0.9999];
 
     #[test]
     fn the_eigenvalue_solves_its_equation() {
@@ -92,7 +88,7 @@ mod tests {
         // Case & Zweifel 1967: diffusion without absorption, 1/ν0² → 3(1 − ω)(1 − 2(1 − ω)/5…).
         let decay = f64::from(Mode::new(0.9999).decay());
         assert!((decay * decay / 3e-4 - 1.0).abs() < 1e-4, "{decay}");
-        for (albedo, end) in [(-1.0, 0.6), (0.01, 0.6), (f64::NAN, 0.6), (1.0, 0.9999), (2.0, 0.9999)] {
+        for (albedo, end) in [(-1.0, 0.7), (0.01, 0.7), (f64::NAN, 0.7), (1.0, 0.9999), (2.0, 0.9999)] {
             assert_eq!(Mode::new(albedo), Mode::new(end));
         }
     }

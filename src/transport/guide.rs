@@ -13,7 +13,8 @@
 //! - where it is absorbed before it would find its way out by itself, up to [`MOST_ALBEDO`];
 //! - where it can be turned around at a collision, up to [`MOST_FORWARD`]: after forward scattering only its azimuth could be chosen;
 //! - where it can go astray, from [`LEAST_THICKNESS`] on: out of less it comes on any way;
-//! - where the body brings out more than its boundary mirrors: below, noise is that of mirrored light.
+//! - where the body brings out more than its boundary mirrors, which it does both ways: below, most noise is that of the choice between
+//!   what is mirrored and what is not.
 //!
 //! Elsewhere the walk is the classic one.
 
@@ -25,12 +26,8 @@ use crate::medium::dwivedi::Mode;
 use crate::medium::{Medium, PlanarAlbedo};
 use crate::radiometry::Rgb;
 
-fn tune(name: &str, default: f32) -> f32 {
-    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default)
-}
-
 /// Share of a guide's flights that are drawn like the classic walk's.
-pub static PLAIN: std::sync::LazyLock<f32> = std::sync::LazyLock::new(|| tune("G_PLAIN", 0.25));
+const PLAIN: f32 = 0.25;
 
 /// The largest albedo of a channel that is guided.
 const MOST_ALBEDO: f32 = 0.99;
@@ -39,7 +36,7 @@ const MOST_ALBEDO: f32 = 0.99;
 const MOST_FORWARD: f32 = 0.2;
 
 /// The least thickness of a layer that is guided, in free paths.
-static LEAST_THICKNESS: std::sync::LazyLock<f32> = std::sync::LazyLock::new(|| tune("G_THICK", 3.0));
+const LEAST_THICKNESS: f32 = 3.0;
 
 /// The least that walks can be expected to bring out.
 const LEAST_EXPECTED: f32 = 1.0 / 64.0;
@@ -106,7 +103,7 @@ impl Guide {
             return None;
         }
         let expected = absorbed.map(|share| planar.albedo(share)).max_component();
-        if expected < mirrored {
+        if expected < 2.0 * mirrored {
             return None;
         }
         let mode = |c: usize| is_absorbing(c).then(|| Mode::new(1.0 - f64::from(absorbed[c])));
@@ -136,7 +133,7 @@ impl Layer {
     /// Below the plane through `origin` with outward unit `normal`; `thickness` in m. None where it is so thin that the classic walk is as
     /// good.
     pub fn new(guide: Guide, origin: Vec3, normal: Vec3, thickness: f32) -> Option<Self> {
-        let is_thick = thickness * guide.sigma_t.min_component() >= *LEAST_THICKNESS;
+        let is_thick = thickness * guide.sigma_t.min_component() >= LEAST_THICKNESS;
         is_thick.then(|| Self { guide, normal, height: normal.dot(origin), thickness })
     }
 
@@ -153,7 +150,7 @@ impl Layer {
 
     /// Draws by which lobe to go on from `point`.
     pub fn draw_lobe(&self, point: Vec3, channels: &Channels, random: &mut HashGenerator) -> Lobe {
-        if random.next_f32() < *PLAIN {
+        if random.next_f32() < PLAIN {
             return Lobe::Plain;
         }
         let c = if self.guide.gray { 0 } else { channels.draw(Rgb::ONE, random.next_f32()) };
@@ -180,7 +177,7 @@ impl Layer {
     ) -> Heading {
         let (mut outwards, mut inwards) = (Rgb::ZERO, Rgb::ZERO);
         for c in 0..self.guide.count() {
-            let share = (1.0 - *PLAIN) * self.share(c, &channels);
+            let share = (1.0 - PLAIN) * self.share(c, &channels);
             let inward = self.inward_share(c, point);
             let density = |side| self.guide.modes[c].as_ref().map_or(1.0, |mode| relative(mode, side));
             outwards.0[c] = share * (1.0 - inward) * density(1.0);
@@ -191,17 +188,8 @@ impl Layer {
 
     /// Draws the cosine of a direction to the plane's normal; none if the phase function draws it.
     pub fn draw_cosine(&self, lobe: Lobe, random: &mut HashGenerator) -> Option<f32> {
-        let (mode, side) = self.mode(lobe)?;
-        Some(side * mode.sample(random.next_f32()))
-    }
-
-    fn mode(&self, lobe: Lobe) -> Option<(&Mode, f32)> {
-        let (c, side) = match lobe {
-            Lobe::Plain => return None,
-            Lobe::Outwards(c) => (c, 1.0),
-            Lobe::Inwards(c) => (c, -1.0),
-        };
-        Some((self.guide.modes[c].as_ref()?, side))
+        let (c, side) = lobe.side()?;
+        Some(side * self.guide.modes[c].as_ref()?.sample(random.next_f32()))
     }
 
     /// The plane's outward normal.
@@ -211,19 +199,17 @@ impl Layer {
 
     /// The coefficient, 1/m, by which `lobe` draws flights, and its channel; none if the classic walk's are drawn.
     pub fn coefficient(&self, lobe: Lobe, heading: &Heading) -> Option<(usize, f32)> {
-        let (c, side) = match lobe {
-            Lobe::Plain => return None,
-            Lobe::Outwards(c) => (c, 1.0),
-            Lobe::Inwards(c) => (c, -1.0),
-        };
-        Some((c, self.guide.sigma_t[c] - side * self.guide.decay[c] * heading.cosine))
+        lobe.side().map(|(c, side)| (c, self.stretched(c, side * heading.cosine)))
+    }
+
+    /// σ_t (1 − µ/ν0) of channel `c`, 1/m.
+    fn stretched(&self, c: usize, cosine: f32) -> f32 {
+        self.guide.sigma_t[c] - self.guide.decay[c] * cosine
     }
 
     /// How much likelier guides draw a collision after `distance` than the classic walk, given `attenuation` over it in any unit.
     pub fn collision_ratio(&self, heading: &Heading, distance: f32, attenuation: Rgb) -> f32 {
-        self.ratio(heading, distance, attenuation, |c, side| {
-            self.guide.sigma_t[c] - side * self.guide.decay[c] * heading.cosine
-        })
+        self.ratio(heading, distance, attenuation, |c, cosine| self.stretched(c, cosine))
     }
 
     /// How much likelier guides draw a flight that goes on at least to `distance`.
@@ -231,6 +217,8 @@ impl Layer {
         self.ratio(heading, distance, attenuation, |_, _| 1.0)
     }
 
+    /// `factor` is what the exponential e^(−σ t) of a channel is multiplied by, for a flight of given cosine; a classic one is that of cosine
+    /// 0.
     fn ratio(
         &self,
         heading: &Heading,
@@ -241,20 +229,30 @@ impl Layer {
         let (mut guided, mut classic) = (0.0, 0.0);
         for c in 0..self.guide.count() {
             let exponent = self.guide.decay[c] * heading.cosine * distance;
-            let stretched = exponent.clamp(-MOST_STRETCHED, MOST_STRETCHED).exp();
-            let lobes = heading.outwards[c] * factor(c, 1.0) * stretched
-                + heading.inwards[c] * factor(c, -1.0) / stretched;
-            guided += attenuation[c] * lobes;
-            let plain = 0.5 * (factor(c, 1.0) + factor(c, -1.0));
-            classic += attenuation[c] * self.share(c, &heading.channels) * plain;
+            let stretch = exponent.clamp(-MOST_STRETCHED, MOST_STRETCHED).exp();
+            let outwards = heading.outwards[c] * factor(c, heading.cosine) * stretch;
+            let inwards = heading.inwards[c] * factor(c, -heading.cosine) / stretch;
+            guided += attenuation[c] * (outwards + inwards);
+            classic += attenuation[c] * self.share(c, &heading.channels) * factor(c, 0.0);
         }
-        *PLAIN + guided / classic
+        PLAIN + guided / classic
+    }
+}
+
+impl Lobe {
+    /// Its channel, and the sign of cosines to the normal of the plane it looks for; none if it looks for neither.
+    fn side(self) -> Option<(usize, f32)> {
+        match self {
+            Self::Plain => None,
+            Self::Outwards(c) => Some((c, 1.0)),
+            Self::Inwards(c) => Some((c, -1.0)),
+        }
     }
 }
 
 impl Heading {
     /// How much likelier guides draw the direction than the classic walk.
     pub fn ratio(&self) -> f32 {
-        *PLAIN + (self.outwards + self.inwards).0.iter().sum::<f32>()
+        PLAIN + (self.outwards + self.inwards).0.iter().sum::<f32>()
     }
 }

@@ -52,6 +52,10 @@ impl Statistics {
         self.max = self.max.max(other.max);
     }
 
+    pub fn count(&self) -> f64 {
+        self.count
+    }
+
     pub fn mean(&self) -> f64 {
         self.sum / self.count
     }

@@ -27,8 +27,7 @@ use crate::transport::spread::Channels;
 use crate::transport::substance::Substance;
 
 /// Probability of a classic path.
-static CLASSIC: std::sync::LazyLock<f32> =
-    std::sync::LazyLock::new(|| std::env::var("G_CLASSIC").ok().and_then(|v| v.parse().ok()).unwrap_or(0.1));
+const CLASSIC: f32 = 0.1;
 
 /// Limits of a ratio of densities, so that it stays a number: beyond them light weighs 1/α, or nothing.
 const RATIOS: [f32; 2] = [1e-30, 1e30];
@@ -51,12 +50,12 @@ impl Default for Technique {
 impl Technique {
     /// By which the classic weight of the path is multiplied.
     pub fn weight(&self) -> f32 {
-        1.0 / (*CLASSIC + (1.0 - *CLASSIC) * self.ratio)
+        1.0 / (CLASSIC + (1.0 - CLASSIC) * self.ratio)
     }
 
     /// Density of what guides draw `ratio` times as likely as the classic walk, relative to the latter.
     fn density(&self, ratio: f32) -> f32 {
-        (*CLASSIC + (1.0 - *CLASSIC) * self.ratio * ratio) * self.weight()
+        (CLASSIC + (1.0 - CLASSIC) * self.ratio * ratio) * self.weight()
     }
 
     /// Density per solid angle, 1/sr, of a turn at `position` to the direction `after`, whose phase function is `phase`.
@@ -93,7 +92,7 @@ impl<C: RayCaster> Path<'_, C> {
         let normal = if normal.dot(from.direction) > 0.0 { -normal } else { normal };
         let layer = Layer::new(guide, from.origin, normal, self.bounds(body).exit(from.origin, -normal))?;
         if self.technique.guided.is_none() {
-            self.technique.guided = Some(self.random.next_f32() >= *CLASSIC);
+            self.technique.guided = Some(self.random.next_f32() >= CLASSIC);
         }
         self.expected = self.expected.min(guide.expected());
         Some(layer)

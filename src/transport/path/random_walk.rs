@@ -252,9 +252,8 @@ impl<C: RayCaster> Path<'_, C> {
             let channels = Channels::of(self.throughput);
             self.add_direct_inside(&receiver, clear, |wi| {
                 let value = phase.density(f64::from(wi.dot(direction))) as f32;
-                let density = layer.map_or(value, |layer| {
-                    technique.density_towards(&layer, position, wi, value, channels)
-                });
+                let density = layer
+                    .map_or(value, |layer| technique.density_towards(&layer, position, wi, value, channels));
                 Response { value: Rgb::splat(value), density }
             });
         }
