@@ -3,16 +3,16 @@
 //!
 //! **Lobes.** In a layer of thickness D light is brought out of depth z in proportion to e^(−κz) by one side and
 //! e^(−κ(D − z)) by the other, κ the rate of decay of a channel. In this proportion a guide draws towards either side, by
-//! a channel in proportion to the light it carries; in the remaining share [`PLAIN`] it draws like the classic walk. Direction and distance
+//! a channel in proportion to the light it carries; in the remaining share, a quarter, it draws like the classic walk. Direction and distance
 //! of a flight are drawn by the same lobe.
 //!
 //! Nothing here has to be right for a walk to be: guides say only how likely they draw what they draw.
 //!
 //! **Where walks are guided.** A guide costs time at each collision. It pays where light is lost for having gone astray:
 //!
-//! - where it is absorbed before it would find its way out by itself, up to [`MOST_ALBEDO`];
-//! - where it can be turned around at a collision, up to [`MOST_FORWARD`]: after forward scattering only its azimuth could be chosen;
-//! - where it can go astray, from [`LEAST_THICKNESS`] on: out of less it comes on any way;
+//! - where it is absorbed before it would find its way out by itself: up to an albedo of 0.99 in the darkest channel;
+//! - where it can be turned around at a collision: up to |g| = 0.2, as a forward deflection leaves only the azimuth to choose;
+//! - where it can go astray: from three free paths' thickness on, as out of less it comes any way;
 //! - where the body brings out more than its boundary mirrors, which it does both ways: below, most noise is that of the choice between
 //!   what is mirrored and what is not.
 //!

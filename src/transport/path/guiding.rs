@@ -1,6 +1,6 @@
 //! Walks guided towards where light leaves ([`crate::transport::guide`]), and how they are combined with the classic walk.
 //!
-//! **Combination.** A path draws once whether its walks are classic, with probability α = [`CLASSIC`], or guided. Whichever it is, it is
+//! **Combination.** A path draws once whether its walks are classic, with probability α = 1/10, or guided. Whichever it is, it is
 //! weighted against both (one-sample multiple importance sampling by the balance heuristic, Veach 1997, section 9.2.4): with G/C the ratio of
 //! the densities with which guides and the classic walk draw all the flights of the path, light that the classic walk gives the weight w
 //! weighs

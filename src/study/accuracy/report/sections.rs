@@ -243,7 +243,7 @@ pub fn collisions(results: &Results) -> String {
     let measured = results.reference.collisions.map_or_else(String::new, |count| {
         format!(
             "<p>Measured: {} collisions for each sample of a pixel that shows a translucent body. (A part of the light is reflected before it enters; a part enters again; \
-             and the walk follows all three channels at once, weighting what is absorbed.)</p>",
+             and the walk follows all three channels at once, weighting what is absorbed, and is guided to where light leaves if that pays.)</p>",
             two_digits(count)
         )
     });
