@@ -40,7 +40,6 @@ fn main() {
                 ("slab", 4.0, 0.0),
                 ("sphere", 8.0, 0.0),
                 ("sphere", 2.0, 0.0),
-                ("slab", 20.0, 0.2),
                 ("slab", 20.0, 0.8),
             ] {
                 let name = format!("{body} {thickness} {g} {ior} {light}");

