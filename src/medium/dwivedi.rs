@@ -36,7 +36,8 @@ pub struct Mode {
 impl Mode {
     /// Of single-scattering `albedo`; outside of [0.7, 0.9999] that of the nearer end.
     pub fn new(albedo: f64) -> Self {
-        let albedo = albedo.max(ALBEDOS[0]).min(ALBEDOS[1]);
+        // What is no number is not greater.
+        let albedo = if albedo > ALBEDOS[0] { albedo.min(ALBEDOS[1]) } else { ALBEDOS[0] };
         let s = albedo.powf(2.442_94 - 0.021_581_3 * albedo + 0.578_637 / albedo);
         let decay = (1.0 - s).sqrt();
         let rest = s / (1.0 + decay);
