@@ -13,6 +13,7 @@ pub mod math;
 pub mod medium;
 pub mod open_exr;
 pub mod optics;
+pub mod plan;
 pub mod radiometry;
 pub mod raycast;
 pub mod scene;

@@ -7,11 +7,11 @@ use std::sync::atomic::Ordering;
 use clap::Args;
 
 use super::backend::{RayWork, run_on};
-use super::choice::{LayerChoice, ViewChoice, finite, named, positive};
+use super::choice::{LayerChoice, SubsurfaceArgs, ViewChoice, finite, named, positive};
 use super::console::{print_line, say};
 use super::error::CliError;
 use super::progress::Progress;
-use super::report::{MadeBy, Report};
+use super::report::{MadeBy, MethodOf, Report};
 use super::stop::Stop;
 use super::threads::ThreadArgs;
 use crate::diffusion::ProfileKind;
@@ -22,7 +22,7 @@ use crate::film::output::{Format, check_writable, replace};
 use crate::film::schedule::{Limits, Status};
 use crate::film::{Film, exr, png};
 use crate::raycast::{Backend, Geometry, RayCaster, RaycastError};
-use crate::scene::{Method, ProfileChoice, Scene, read_scene};
+use crate::scene::{Scene, read_scene};
 use crate::transport::{Counters, RenderOptions, Renderer};
 
 /// Arguments of `render`.
@@ -48,12 +48,8 @@ pub struct RenderArgs {
     /// Stop when the estimated relative error (square root of relMSE) is at most this
     #[arg(long, value_name = "REL", value_parser = positive)]
     error: Option<f64>,
-    /// How light under surfaces is computed [default: the scene's]
-    #[arg(long, value_parser = named(Method::NAMES))]
-    method: Option<Method>,
-    /// Diffusion profile [default: the scene's]
-    #[arg(long, value_name = "NAME", value_parser = named(ProfileChoice::NAMES))]
-    profile: Option<ProfileChoice>,
+    #[command(flatten)]
+    subsurface: SubsurfaceArgs,
     /// What casts the rays
     #[arg(long, value_parser = named(Backend::NAMES), default_value = Backend::default().name())]
     backend: Backend,
@@ -111,8 +107,7 @@ fn scene_with_overrides(args: &RenderArgs) -> Result<Scene, CliError> {
     let mut scene = read_scene(&args.scene)?;
     scene.film.width = args.width.unwrap_or(scene.film.width);
     scene.film.height = args.height.unwrap_or(scene.film.height);
-    scene.subsurface.method = args.method.unwrap_or(scene.subsurface.method);
-    scene.subsurface.profile = args.profile.unwrap_or(scene.subsurface.profile);
+    args.subsurface.override_in(&mut scene.subsurface);
     Ok(scene)
 }
 
@@ -120,20 +115,19 @@ fn options(args: &RenderArgs, scene: &Scene) -> RenderOptions {
     RenderOptions {
         seed: args.seed,
         method: scene.subsurface.method,
+        accuracy: scene.subsurface.accuracy,
         profile: scene.subsurface.profile,
         max_depth: scene.render.max_depth,
         spheres: true,
     }
 }
 
-/// Backend, method and profiles in use: where the scene leaves the method open, the area integral.
+/// Backend, methods and profiles in use.
 fn made_by<C: RayCaster>(args: &RenderArgs, renderer: &Renderer<C>) -> MadeBy {
-    let method = match renderer.scene().subsurface.method {
-        Method::Auto => Method::Bssrdf.name(),
-        chosen => chosen.name(),
-    };
+    let method = renderer.scene().subsurface.method.name();
+    let methods = renderer.plan().objects.iter().map(MethodOf::new).collect();
     let profiles = renderer.profiles().into_iter().map(ProfileKind::name).collect();
-    MadeBy { backend: args.backend.name(), method, profiles }
+    MadeBy { backend: args.backend.name(), method, methods, profiles }
 }
 
 fn limits(args: &RenderArgs, scene: &Scene) -> Limits {
@@ -236,6 +230,7 @@ fn attributes(args: &RenderArgs, report: &Report) -> Result<Vec<Attribute>, CliE
         ("alabaster.commandLine", command_line()),
         ("alabaster.scene", file_name(&args.scene)),
         ("alabaster.seed", args.seed.to_string()),
+        ("alabaster.methods", report.methods_in_words()),
         ("alabaster.profiles", report.profiles.join(", ")),
         ("alabaster.spp", report.spp.to_string()),
         ("alabaster.seconds", report.seconds.to_string()),

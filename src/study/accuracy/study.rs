@@ -115,8 +115,14 @@ fn look_at<C: RayCaster>(
     build: &impl Fn(&Geometry) -> Result<C, RaycastError>,
 ) -> Result<(Vec<Region>, Vec<String>), RenderError> {
     let Candidate { method, profile } = settings.reference();
-    let options =
-        RenderOptions { seed: 0, method, profile, max_depth: scene.render.max_depth, spheres: true };
+    let options = RenderOptions {
+        seed: 0,
+        method,
+        accuracy: scene.subsurface.accuracy,
+        profile,
+        max_depth: scene.render.max_depth,
+        spheres: true,
+    };
     let renderer = Renderer::new(scene.clone(), options, build)?;
     Ok((regions(&renderer), renderer.warnings()))
 }
