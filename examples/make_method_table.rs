@@ -42,7 +42,7 @@ const LIGHTS: [&str; 3] = ["front", "side", "around"];
 /// Seconds for a body, from which on it is not made more precise.
 const SECONDS: f64 = 1.5;
 /// Errors below this need not be told apart.
-const FLOOR: f64 = 0.015;
+const FLOOR: f64 = 0.01;
 
 const HEADER: &str = "# Errors of methods against the walk, noise apart, made by examples/make_method_table.rs\n\
     # absorbed: sigma_a/sigma_t'; thickness: mean chord 4V/S in reduced mean free paths\n\
@@ -90,7 +90,7 @@ fn errors(scene: &Scene) -> [[ChannelError; 3]; 2] {
     let mut samples = 16;
     loop {
         walk.extend_to(samples);
-        others.iter_mut().for_each(|groups| groups.extend_to(2 * samples));
+        others.iter_mut().for_each(|groups| groups.extend_to(samples));
         let found = others.each_ref().map(|groups| relative(groups.error(&walk)));
         let precise = |e: &ChannelError| e.square_sigma < (0.1 * e.square).max(FLOOR * FLOOR);
         if found.iter().flatten().all(precise) || start.elapsed().as_secs_f64() > SECONDS {

@@ -8,7 +8,7 @@ use crate::scene::{Method, ProfileChoice, SubsurfaceSettings};
 pub struct Request {
     /// The method; `Auto` leaves it open for each body.
     pub method: Method,
-    /// The diffusion profile.
+    /// The diffusion profile; one that is asked for is used, by the area integral.
     pub profile: ProfileChoice,
     /// The largest relative error that an approximation may be expected to have.
     pub accuracy: f32,
@@ -24,6 +24,9 @@ impl From<&SubsurfaceSettings> for Request {
 pub fn decide(expected: &Expected, request: &Request) -> (Method, String) {
     if request.method != Method::Auto {
         return (request.method, "asked for".into());
+    }
+    if request.profile != ProfileChoice::Auto {
+        return (Method::Bssrdf, format!("the profile {} is asked for", request.profile.name()));
     }
     let accuracy = f64::from(request.accuracy);
     let limit = percent(accuracy);

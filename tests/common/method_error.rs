@@ -12,7 +12,6 @@ const GROUPS: usize = 16;
 /// A picture of the pixels that show a material, made in groups that have no samples in common.
 pub struct Groups {
     renderer: Renderer<Caster>,
-    first_seed: u64,
     pixels: Vec<(u32, u32)>,
     samples: u64,
     /// By group: for each pixel and channel the sum of all samples.
@@ -36,9 +35,6 @@ impl Groups {
     /// No samples yet of `scene` by `method`, of the pixels that show `material` at their centre.
     pub fn new(scene: &Scene, method: Method, material: usize) -> Self {
         let renderer = Renderer::new(scene.clone(), RenderOptions { method, ..options() }, caster).unwrap();
-        // Methods have seeds of their own, so that their noise is independent.
-        let place = Method::NAMES.iter().position(|(_, other)| *other == method).unwrap();
-        let first_seed = 1000 * (1 + place as u64);
         let (width, height) = (scene.film.width, scene.film.height);
         let pixels: Vec<_> = (0..height)
             .flat_map(|y| (0..width).map(move |x| (x, y)))
@@ -46,14 +42,15 @@ impl Groups {
             .collect();
         assert!(!pixels.is_empty(), "nothing to be seen");
         let sums = vec![vec![0.0; 3 * pixels.len()]; GROUPS];
-        Self { renderer, first_seed, pixels, samples: 0, sums }
+        Self { renderer, pixels, samples: 0, sums }
     }
 
     /// Takes samples until each pixel has `samples` in each group.
     pub fn extend_to(&mut self, samples: u64) {
         let taken = self.samples;
         for (group, sums) in self.sums.iter_mut().enumerate() {
-            self.renderer.reseed(self.first_seed + group as u64);
+            // The same for all methods: what the boundary reflects is then no part of the difference, nor is its noise.
+            self.renderer.reseed(group as u64);
             let renderer = &self.renderer;
             self.pixels.par_iter().zip(sums.par_chunks_exact_mut(3)).for_each(|(&(x, y), sum)| {
                 let mut counters = Counters::default();
