@@ -39,10 +39,10 @@ const BODIES: [&str; 3] = ["sphere", "cube", "slab"];
 /// What the channels of a picture show.
 const LIGHTS: [&str; 3] = ["front", "side", "around"];
 
-/// Seconds for a body, from which on it is not made more precise.
-const SECONDS: f64 = 1.5;
+/// Seconds for a body of each thickness, from which on it is not made more precise. The thicker, the smaller is what is looked for.
+const SECONDS: [f64; 7] = [0.3, 0.3, 0.4, 1.0, 2.0, 3.0, 3.0];
 /// Errors below this need not be told apart.
-const FLOOR: f64 = 0.01;
+const FLOOR: f64 = 0.007;
 
 const HEADER: &str = "# Errors of methods against the walk, noise apart, made by examples/make_method_table.rs\n\
     # absorbed: sigma_a/sigma_t'; thickness: mean chord 4V/S in reduced mean free paths\n\
@@ -60,10 +60,11 @@ fn main() -> io::Result<()> {
     for eta in ETAS {
         for body in BODIES {
             for absorbed in ABSORBED {
-                for thickness in THICKNESSES {
+                for (thickness, seconds) in THICKNESSES.into_iter().zip(SECONDS) {
                     let start = format!("{body},{eta},{absorbed},{thickness},");
                     if !known.contains(&format!("\n{start}")) {
-                        file.write_all(rows(&start, &scene(body, eta, absorbed, thickness)).as_bytes())?;
+                        let scene = scene(body, eta, absorbed, thickness);
+                        file.write_all(rows(&start, &scene, seconds).as_bytes())?;
                     }
                 }
             }
@@ -73,8 +74,8 @@ fn main() -> io::Result<()> {
 }
 
 /// A row for each light.
-fn rows(start: &str, scene: &Scene) -> String {
-    let [diffuse, bssrdf] = errors(scene);
+fn rows(start: &str, scene: &Scene, seconds: f64) -> String {
+    let [diffuse, bssrdf] = errors(scene, seconds);
     let columns = |e: &ChannelError| format!("{:.3e},{:.2e},{:+.4}", e.square, e.square_sigma, e.bias);
     let row = |light: usize| {
         format!("{start}{},{},{}\n", LIGHTS[light], columns(&diffuse[light]), columns(&bssrdf[light]))
@@ -83,7 +84,7 @@ fn rows(start: &str, scene: &Scene) -> String {
 }
 
 /// Of `diffuse` and `bssrdf`, by light, relative.
-fn errors(scene: &Scene) -> [[ChannelError; 3]; 2] {
+fn errors(scene: &Scene, seconds: f64) -> [[ChannelError; 3]; 2] {
     let mut walk = Groups::new(scene, Method::Walk, 0);
     let mut others = [Method::Diffuse, Method::Bssrdf].map(|method| Groups::new(scene, method, 0));
     let start = Instant::now();
@@ -93,7 +94,7 @@ fn errors(scene: &Scene) -> [[ChannelError; 3]; 2] {
         others.iter_mut().for_each(|groups| groups.extend_to(samples));
         let found = others.each_ref().map(|groups| relative(groups.error(&walk)));
         let precise = |e: &ChannelError| e.square_sigma < (0.1 * e.square).max(FLOOR * FLOOR);
-        if found.iter().flatten().all(precise) || start.elapsed().as_secs_f64() > SECONDS {
+        if found.iter().flatten().all(precise) || start.elapsed().as_secs_f64() > seconds {
             return found;
         }
         samples *= 2;
