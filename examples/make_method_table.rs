@@ -40,9 +40,11 @@ const BODIES: [&str; 3] = ["sphere", "cube", "slab"];
 const LIGHTS: [&str; 3] = ["front", "side", "around"];
 
 /// Seconds for a body of each thickness, from which on it is not made more precise. The thicker, the smaller is what is looked for.
-const SECONDS: [f64; 7] = [0.3, 0.3, 0.4, 1.0, 2.0, 3.0, 3.0];
+const SECONDS: [f64; 7] = [0.15, 0.15, 0.25, 0.7, 1.7, 4.0, 4.0];
 /// Errors below this need not be told apart.
-const FLOOR: f64 = 0.007;
+const FLOOR: f64 = 0.009;
+/// Walks for each sample of another method: they have the most noise.
+const WALKS: u64 = 4;
 
 const HEADER: &str = "# Errors of methods against the walk, noise apart, made by examples/make_method_table.rs\n\
     # absorbed: sigma_a/sigma_t'; thickness: mean chord 4V/S in reduced mean free paths\n\
@@ -88,9 +90,9 @@ fn errors(scene: &Scene, seconds: f64) -> [[ChannelError; 3]; 2] {
     let mut walk = Groups::new(scene, Method::Walk, 0);
     let mut others = [Method::Diffuse, Method::Bssrdf].map(|method| Groups::new(scene, method, 0));
     let start = Instant::now();
-    let mut samples = 16;
+    let mut samples = 8;
     loop {
-        walk.extend_to(samples);
+        walk.extend_to(WALKS * samples);
         others.iter_mut().for_each(|groups| groups.extend_to(samples));
         let found = others.each_ref().map(|groups| relative(groups.error(&walk)));
         let precise = |e: &ChannelError| e.square_sigma < (0.1 * e.square).max(FLOOR * FLOOR);
