@@ -36,7 +36,7 @@ fn each_object_gets_a_method_and_a_reason() {
     let folder = folder(MORE);
     let plan = folder.run(&["plan", "scene.toml", "--accuracy", "5%", "--json"]).report();
     assert_eq!(plan["effects"][0]["on"], true);
-    assert_eq!(plan["dropped"], serde_json::json!([]));
+    assert_eq!(plan["kernel"], "generic");
     assert!((plan["accuracy"].as_f64().unwrap() - 0.05).abs() < 1e-6);
     let objects = plan["objects"].as_array().unwrap();
     let of = |name: &str| objects.iter().find(|object| object["object"] == name).unwrap();
@@ -54,6 +54,11 @@ fn each_object_gets_a_method_and_a_reason() {
         (&"bssrdf".into(), &serde_json::Value::Null)
     );
     assert!(leaf["reason"].as_str().unwrap().contains("it encloses no volume"), "{leaf}");
+    let dropped = plan["dropped"].as_array().unwrap();
+    let of_leaf = dropped.iter().find(|dropped| dropped["object"] == "leaf").unwrap();
+    assert_eq!((&of_leaf["bound"], &of_leaf["reason"]), (&leaf["expected_error"]["bssrdf"], &leaf["reason"]));
+    assert_eq!(of_leaf["name"], "shape of the body under the surface");
+    assert!(dropped.iter().all(|dropped| dropped["object"] != "bead"), "{dropped:?}");
     let thick =
         objects.iter().find(|object| object["object"] != "bead" && object["object"] != "leaf").unwrap();
     assert_ne!(thick["method"], "walk");
@@ -131,9 +136,12 @@ fn methods_of_one_material_are_mixed_and_reported() {
     assert_eq!(made["profiles"], serde_json::json!(["tabulated"]));
     let image = exr::prelude::read_all_flat_layers_from_file(folder.path("a.exr")).unwrap();
     let mut attributes = image.layer_data[0].attributes.other.iter();
-    let (_, said) = attributes.find(|(key, _)| *key == "alabaster.methods").unwrap();
-    let said = said.to_text().unwrap().to_string();
-    assert!(said.contains("walk: bead") && said.contains("bssrdf: "), "{said}");
+    let (_, plan) = attributes.find(|(key, _)| *key == "alabaster.plan").unwrap();
+    let plan: serde_json::Value = serde_json::from_str(&plan.to_text().unwrap().to_string()).unwrap();
+    assert_eq!(
+        plan,
+        folder.run(&["plan", "scene.toml", "--height", "16", "--accuracy", "5%", "--json"]).report()
+    );
 }
 
 #[test]

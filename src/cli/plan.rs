@@ -9,7 +9,7 @@ use super::choice::SubsurfaceArgs;
 use super::console::{print_line, say};
 use super::error::CliError;
 use crate::plan::{Plan, PlannedObject, Request};
-use crate::scene::{Method, read_scene};
+use crate::scene::{Method, SubsurfaceSettings, read_scene};
 
 /// Arguments of `plan`.
 #[derive(Args)]
@@ -34,12 +34,13 @@ pub fn run(args: &PlanArgs) -> Result<(), CliError> {
     args.subsurface.override_in(&mut scene.subsurface);
     let plan = Plan::new(&scene, &Request::from(&scene.subsurface));
     if args.json {
-        return print_line(&as_json(&plan, scene.subsurface.accuracy).to_string());
+        return print_line(&as_json(&plan, &scene.subsurface).to_string());
     }
     print_line(&as_text(&plan))
 }
 
-fn as_json(plan: &Plan, accuracy: f32) -> Value {
+/// What is to be done, and what is left out. There is one kernel, which branches at what a scene has.
+pub fn as_json(plan: &Plan, settings: &SubsurfaceSettings) -> Value {
     let on = !plan.objects.is_empty();
     let reason = match plan.objects.len() {
         0 => "no object is translucent".into(),
@@ -47,11 +48,24 @@ fn as_json(plan: &Plan, accuracy: f32) -> Value {
         count => format!("{count} objects are translucent"),
     };
     json!({
-        "accuracy": f64::from(accuracy),
+        "method": settings.method.name(),
+        "accuracy": f64::from(settings.accuracy),
         "effects": [{ "name": "subsurface scattering", "on": on, "reason": reason }],
-        "dropped": [],
+        "kernel": "generic",
+        "dropped": plan.objects.iter().filter_map(dropped).collect::<Vec<_>>(),
         "objects": plan.objects.iter().map(object_as_json).collect::<Vec<_>>(),
     })
+}
+
+/// What the method of an object leaves out, and how large an error is expected of that; `null` where it is not known.
+fn dropped(planned: &PlannedObject) -> Option<Value> {
+    let name = match planned.method {
+        Method::Diffuse => "distance between entry and exit",
+        Method::Bssrdf => "shape of the body under the surface",
+        Method::Walk | Method::Auto => return None,
+    };
+    let bound = planned.expected.of(planned.method);
+    Some(json!({ "name": name, "object": planned.object, "bound": bound, "reason": planned.reason }))
 }
 
 fn object_as_json(planned: &PlannedObject) -> Value {

@@ -10,6 +10,7 @@ use super::backend::{RayWork, run_on};
 use super::choice::{LayerChoice, SubsurfaceArgs, ViewChoice, finite, named, positive};
 use super::console::{print_line, say};
 use super::error::CliError;
+use super::plan;
 use super::progress::Progress;
 use super::report::{MadeBy, MethodOf, Report};
 use super::stop::Stop;
@@ -151,7 +152,8 @@ fn render_and_save<C: RayCaster>(
     if report.samples == 0 && stop.interrupted() {
         return Err(CliError::Interrupted("there was nothing to save yet".into()));
     }
-    save(args, &film, &report)?;
+    let plan = plan::as_json(renderer.plan(), &renderer.scene().subsurface).to_string();
+    save(args, &film, &report, plan)?;
     report.print_warnings();
     if args.json {
         print_line(&report.json()?)?;
@@ -208,11 +210,11 @@ fn render<C: RayCaster>(
     (counters, progress.seconds())
 }
 
-fn save(args: &RenderArgs, film: &Film, report: &Report) -> Result<(), CliError> {
+fn save(args: &RenderArgs, film: &Film, report: &Report, plan: String) -> Result<(), CliError> {
     let picture = film.picture();
     let layers = LayerChoice::layers(&args.aov);
     let channels: Vec<Channel> = layers.into_iter().flat_map(|layer| film.layer(layer)).collect();
-    let attributes = attributes(args, report)?;
+    let attributes = attributes(args, report, plan)?;
     for path in &args.output {
         let format = Format::of(path)?;
         replace(path, |file| match format {
@@ -224,13 +226,13 @@ fn save(args: &RenderArgs, film: &Film, report: &Report) -> Result<(), CliError>
 }
 
 /// What stands in the header of an .exr: everything needed to make the picture again.
-fn attributes(args: &RenderArgs, report: &Report) -> Result<Vec<Attribute>, CliError> {
+fn attributes(args: &RenderArgs, report: &Report, plan: String) -> Result<Vec<Attribute>, CliError> {
     Ok(vec![
         ("alabaster.version", env!("CARGO_PKG_VERSION").into()),
         ("alabaster.commandLine", command_line()),
         ("alabaster.scene", file_name(&args.scene)),
         ("alabaster.seed", args.seed.to_string()),
-        ("alabaster.methods", report.methods_in_words()),
+        ("alabaster.plan", plan),
         ("alabaster.profiles", report.profiles.join(", ")),
         ("alabaster.spp", report.spp.to_string()),
         ("alabaster.seconds", report.seconds.to_string()),

@@ -129,7 +129,7 @@ impl Report {
     }
 
     /// The objects by the method that each got.
-    pub fn methods_in_words(&self) -> String {
+    fn methods_in_words(&self) -> String {
         let of = |(name, _): (&'static str, Method)| {
             let objects: Vec<&str> = self
                 .methods

@@ -10,6 +10,10 @@ use crate::scene::{Camera, FilmSettings, Mesh};
 /// Below this product of mean curvature and mean chord the faces of a body are wide against its thickness. A sheet
 /// twenty times as wide as thick has 0.27, a cube 1.05, a sphere 4/3.
 const FLAT: f64 = 0.5;
+/// Edges between normals further apart than this are sharp, rad.
+const SHARP_ANGLE: f64 = 0.5;
+/// A body is smooth if less than this share of its curvature is in sharp edges.
+const SMOOTH: f64 = 0.1;
 
 /// A body in numbers; those that do not exist are not finite.
 #[derive(Clone, Copy, Debug)]
@@ -20,6 +24,8 @@ pub struct Body {
     pub area: f64,
     /// Mean over the surface of the absolute mean curvature, 1/m; 1/R on a sphere.
     pub curvature: f64,
+    /// Share of it that is in sharp edges.
+    pub sharp: f64,
     /// Lowest and highest corner of the bounding box, m.
     pub bounds: [Vec3; 2],
 }
@@ -36,7 +42,7 @@ impl Body {
         let places = places(mesh);
         let mut normals: HashMap<(usize, usize), DVec3> =
             HashMap::with_capacity(mesh.triangles.len() * 3 / 2);
-        let (mut volume, mut area, mut bend) = (0.0, 0.0, 0.0);
+        let (mut volume, mut area, mut bend, mut sharp) = (0.0, 0.0, 0.0, 0.0);
         for triangle in &mesh.triangles {
             let vertices = triangle.map(|v| v as usize);
             let corners = vertices.map(|v| positions[v].as_dvec3() - middle);
@@ -48,12 +54,23 @@ impl Body {
                 let (a, b) = (places[vertices[i]], places[vertices[j]]);
                 let edge = (a.min(b), a.max(b));
                 match normals.remove(&edge) {
-                    Some(other) => bend += 0.5 * corners[i].distance(corners[j]) * angle(normal, other),
+                    Some(other) => {
+                        let angle = angle(normal, other);
+                        let here = 0.5 * corners[i].distance(corners[j]) * angle;
+                        bend += here;
+                        sharp += if angle > SHARP_ANGLE { here } else { 0.0 };
+                    }
                     None => drop(normals.insert(edge, normal)),
                 }
             }
         }
-        Self { volume: volume.abs(), area, curvature: bend / area, bounds: [low, high] }
+        Self { volume: volume.abs(), area, curvature: bend / area, sharp: sharp / bend, bounds: [low, high] }
+    }
+
+    /// The body `factor` times as large, with the bounds of another place.
+    pub fn scaled(&self, factor: f64, bounds: [Vec3; 2]) -> Self {
+        let (volume, area) = (self.volume * factor.powi(3), self.area * factor.powi(2));
+        Self { volume, area, curvature: self.curvature / factor, bounds, ..*self }
     }
 
     /// Mean length of chords 4V/S (Cauchy), m: 4/3 of a sphere's radius, twice the thickness of a sheet.
@@ -64,6 +81,11 @@ impl Body {
     /// True if faces are wide against the thickness.
     pub fn is_flat(&self) -> bool {
         self.curvature * self.mean_chord() < FLAT
+    }
+
+    /// True if there are hardly any sharp edges.
+    pub fn is_smooth(&self) -> bool {
+        self.sharp < SMOOTH
     }
 
     /// The length that stands for the body's size in the table of errors, m: its mean chord; if it bends more than a sphere of
@@ -106,7 +128,7 @@ mod tests {
         assert!((found.volume - x * y * z).abs() < 1e-5);
         assert!((found.area - area).abs() < 1e-5);
         assert!((found.curvature - bend / area).abs() < 1e-6);
-        assert!(!found.is_flat());
+        assert!(!found.is_flat() && !found.is_smooth() && (found.sharp - 1.0).abs() < 1e-9);
         assert!(body(&shape::cuboid(Vec3::ZERO, Vec3::new(4.0, 4.0, 0.2))).is_flat());
     }
 
@@ -119,6 +141,7 @@ mod tests {
         assert!((found.curvature * 2.0 - 1.0).abs() < 1e-3);
         assert!((found.scale() / found.mean_chord() - 1.0).abs() < 2e-3);
         assert!((found.area / (16.0 * PI) - 1.0).abs() < 1e-3);
+        assert!(found.is_smooth() && found.sharp == 0.0);
     }
 
     #[test]
@@ -127,7 +150,7 @@ mod tests {
         let found = Body::new(&shape::cuboid(Vec3::ZERO, Vec3::ONE), &twice);
         assert_eq!((found.volume, found.area), (8.0, 24.0));
         let nothing = body(&Mesh::default());
-        assert!(nothing.mean_chord().is_nan() && !nothing.is_flat());
+        assert!(nothing.mean_chord().is_nan() && !nothing.is_flat() && !nothing.is_smooth());
     }
 
     #[test]

@@ -6,12 +6,13 @@
 //! an expectation is rather too large:
 //!
 //! - over τ each series is replaced by the falling one that is nearest to it, with two of its standard errors on top;
-//! - of the lights, and of sphere and cube, the largest counts;
+//! - of the lights the largest counts, and for a body with edges the larger of sphere and cube;
 //! - between nodes of τ the error is linear in log τ, which is above a curve that falls as a power; between nodes of η and κ the larger one is taken;
 //! - beyond the last τ it stays what it is; beyond all other ends nothing is expected.
 
 use std::sync::OnceLock;
 
+use super::body::Body;
 use super::isotonic::{Estimate, falling};
 
 const TABLE: &str = include_str!("method_errors.csv");
@@ -24,8 +25,32 @@ const MARGIN: f64 = 2.0;
 pub enum Form {
     /// Wide faces: the slab.
     Flat,
-    /// All else: sphere and cube.
-    Round,
+    /// Sharp edges: sphere and cube.
+    Edged,
+    /// All else: the sphere.
+    Smooth,
+}
+
+impl Form {
+    const ALL: [Self; 3] = [Self::Flat, Self::Edged, Self::Smooth];
+
+    /// Of a body.
+    pub fn of(body: &Body) -> Self {
+        match body {
+            body if body.is_flat() => Self::Flat,
+            body if body.is_smooth() => Self::Smooth,
+            _ => Self::Edged,
+        }
+    }
+
+    /// The bodies of the table that stand for it.
+    fn bodies(self) -> &'static [&'static str] {
+        match self {
+            Self::Flat => &["slab"],
+            Self::Edged => &["sphere", "cube"],
+            Self::Smooth => &["sphere"],
+        }
+    }
 }
 
 /// What the table is looked up by.
@@ -152,20 +177,26 @@ fn curves() -> Vec<Curve> {
                 && row.body == first.body
         };
         let series: Vec<Row> = rows.extract_if(.., same).collect();
-        let form = if first.body == "slab" { Form::Flat } else { Form::Round };
         let nodes = errors(&series);
-        let known =
-            curves.iter_mut().find(|c| c.form == form && (c.eta, c.absorbed) == (first.eta, first.absorbed));
-        match known {
-            Some(curve) => {
-                for (node, (_, errors)) in curve.nodes.iter_mut().zip(nodes) {
-                    node.1 = node.1.larger(errors);
-                }
-            }
-            None => curves.push(Curve { form, eta: first.eta, absorbed: first.absorbed, nodes }),
+        for form in Form::ALL.into_iter().filter(|form| form.bodies().contains(&first.body.as_str())) {
+            add(&mut curves, Curve { form, eta: first.eta, absorbed: first.absorbed, nodes: nodes.clone() });
         }
     }
     curves
+}
+
+/// Adds a curve, or makes the one at its place as large.
+fn add(curves: &mut Vec<Curve>, new: Curve) {
+    let at_its_place =
+        |curve: &&mut Curve| (curve.form, curve.eta, curve.absorbed) == (new.form, new.eta, new.absorbed);
+    match curves.iter_mut().find(at_its_place) {
+        Some(curve) => {
+            for (node, (_, errors)) in curve.nodes.iter_mut().zip(new.nodes) {
+                node.1 = node.1.larger(errors);
+            }
+        }
+        None => curves.push(new),
+    }
 }
 
 /// Errors by thickness of a body in one light.
@@ -188,8 +219,8 @@ mod tests {
         let lines = TABLE.lines().filter(|line| !line.starts_with('#')).count() - 1;
         assert_eq!(rows().len(), lines);
         let curves = curves();
-        // Of three bodies two are one form, each in three lights.
-        assert_eq!(curves.len() * curves[0].nodes.len() * 3 * 3, lines * 2);
+        // As many forms as bodies, each body in three lights.
+        assert_eq!(curves.len() * curves[0].nodes.len() * 3, lines);
         for curve in &curves {
             assert_eq!(curve.nodes.len(), curves[0].nodes.len());
             for pair in curve.nodes.windows(2) {
@@ -200,7 +231,7 @@ mod tests {
 
     #[test]
     fn thicker_bodies_have_smaller_errors() {
-        for form in [Form::Flat, Form::Round] {
+        for form in Form::ALL {
             for eta in [1.0, 1.2, 1.33, 1.4, 1.5] {
                 for absorbed in [0.0, 1e-4, 1e-3, 0.03, 0.4] {
                     let at = |thickness| ModelErrors::at(&Place { form, eta, absorbed, thickness }).unwrap();
@@ -218,7 +249,7 @@ mod tests {
 
     #[test]
     fn nothing_is_expected_beyond_the_table() {
-        let inside = Place { form: Form::Round, eta: 1.5, absorbed: 0.01, thickness: 10.0 };
+        let inside = Place { form: Form::Smooth, eta: 1.5, absorbed: 0.01, thickness: 10.0 };
         assert!(ModelErrors::at(&inside).is_some());
         for outside in [
             Place { eta: 0.8, ..inside },

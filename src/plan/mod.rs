@@ -8,10 +8,12 @@ pub mod body;
 pub mod decision;
 pub mod errors;
 mod isotonic;
+mod measured;
 mod object;
 pub mod solid;
 
 pub use decision::Request;
+use measured::Measured;
 pub use object::{Expected, PlannedObject};
 
 use crate::scene::{Method, Scene};
@@ -28,8 +30,9 @@ pub struct Plan {
 impl Plan {
     /// Measures the translucent bodies of `scene` and chooses for each as `request` says.
     pub fn new(scene: &Scene, request: &Request) -> Self {
+        let mut measured = Measured::default();
         let objects = (0..scene.instances.len())
-            .filter_map(|instance| PlannedObject::new(scene, instance, request))
+            .filter_map(|instance| PlannedObject::new(scene, instance, &mut measured, request))
             .collect();
         Self { objects, instances: scene.instances.len() }
     }

@@ -3,7 +3,8 @@
 use super::body::Body;
 use super::decision::{Request, decide};
 use super::errors::{Form, ModelErrors, Place};
-use super::solid::{Flaw, flaws};
+use super::measured::Measured;
+use super::solid::Flaw;
 use crate::diffusion::{NormalizedDiffusion, ProfileKind};
 use crate::medium::albedo_inversion::unreduced_share;
 use crate::medium::{Medium, PlanarAlbedo};
@@ -67,7 +68,7 @@ pub struct PlannedObject {
 
 impl PlannedObject {
     /// Measures the object of an instance and decides; `None` if nothing scatters in it.
-    pub fn new(scene: &Scene, instance: usize, request: &Request) -> Option<Self> {
+    pub fn new(scene: &Scene, instance: usize, measured: &mut Measured, request: &Request) -> Option<Self> {
         let placed = &scene.instances[instance];
         let material = &scene.materials[placed.material];
         let Surface::Translucent { ior, roughness, medium } = &material.surface else { return None };
@@ -75,14 +76,13 @@ impl PlannedObject {
         if !medium.scatters() {
             return None;
         }
-        let mesh = &scene.meshes[placed.mesh];
-        let body = Body::new(mesh, &placed.transform);
+        let body = measured.body(scene, placed);
         let pixel_footprint = body.pixel_footprint(&scene.camera, &scene.film);
         let scale = body.scale();
         let thickness = medium.sigma_t_reduced().0.map(|sigma_t| f64::from(sigma_t) * scale);
         let absorbed = medium.absorbed_share_reduced().0.map(f64::from);
         let exit_distance = exit_distances(&medium);
-        let form = if body.is_flat() { Form::Flat } else { Form::Round };
+        let form = Form::of(&body);
         let channels = [0, 1, 2].map(|c| {
             let place = Place { form, eta: f64::from(*ior), absorbed: absorbed[c], thickness: thickness[c] };
             let errors = ModelErrors::at(&place)?;
@@ -97,7 +97,7 @@ impl PlannedObject {
             diffuse: largest(|errors| errors.diffuse),
             bssrdf: largest(|errors| errors.bssrdf)
                 .filter(|_| has_tabulated_profile(request.profile, *ior, medium.g)),
-            walk: obstacle(scene, &flaws(mesh), *ior, *roughness).map_or(Ok(0.0), Err),
+            walk: obstacle(scene, measured.flaws(scene, placed.mesh), *ior, *roughness).map_or(Ok(0.0), Err),
         };
         let (method, reason) = decide(&expected, request);
         Some(Self {
