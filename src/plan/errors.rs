@@ -5,7 +5,7 @@
 //! share κ = σ_a/σ_t' absorbed at a collision and the mean chord τ in free paths 1/σ_t'. It has noise, which is dealt with so that
 //! an expectation is rather too large:
 //!
-//! - over τ each series is replaced by the falling one that is nearest to it, with two of its standard errors on top;
+//! - over τ each series is replaced by the falling one that is nearest to it, with two of its standard errors on top, and what limits the error of a body limits that of thicker ones;
 //! - of the lights the largest counts, and for a body with edges the larger of sphere and cube;
 //! - between nodes of τ the error is linear in log τ, which is above a curve that falls as a power; between nodes of η and κ the larger one is taken;
 //! - beyond the last τ it stays what it is; beyond all other ends nothing is expected.
@@ -203,7 +203,11 @@ fn add(curves: &mut Vec<Curve>, new: Curve) {
 fn errors(series: &[Row]) -> Vec<(f64, ModelErrors)> {
     let upper = |of: fn(&Row) -> Estimate| {
         let squares = falling(&series.iter().map(of).collect::<Vec<_>>());
-        squares.into_iter().map(|square| (square.value.max(0.0) + MARGIN * square.sigma).sqrt())
+        // What limits the error of a body limits that of thicker ones.
+        squares.into_iter().scan(f64::INFINITY, |least, square| {
+            *least = least.min((square.value.max(0.0) + MARGIN * square.sigma).sqrt());
+            Some(*least)
+        })
     };
     let (diffuse, bssrdf) = (upper(|row| row.diffuse), upper(|row| row.bssrdf));
     let errors = diffuse.zip(bssrdf).map(|(diffuse, bssrdf)| ModelErrors { diffuse, bssrdf });
