@@ -1,10 +1,12 @@
 //! `alabaster plan`, and what `render` makes of it.
 
-mod common;
+#[path = "common/program.rs"]
+#[allow(dead_code)]
+mod program;
 
 use std::fs;
 
-use common::program::{Folder, SCENE};
+use program::{Folder, SCENE};
 
 /// A folder with the marble sphere, of 3,000 mean free paths, and `more` in the scene file.
 fn folder(more: &str) -> Folder {
