@@ -40,7 +40,7 @@ const BODIES: [&str; 3] = ["sphere", "cube", "slab"];
 const LIGHTS: [&str; 3] = ["front", "side", "around"];
 
 /// Seconds for a body of each thickness, from which on it is not made more precise. The thicker, the smaller is what is looked for.
-const SECONDS: [f64; 7] = [0.15, 0.15, 0.25, 0.7, 1.7, 4.0, 4.0];
+const SECONDS: [f64; 7] = [0.15, 0.15, 0.25, 0.7, 1.7, 4.0, 12.0];
 /// Errors below this need not be told apart.
 const FLOOR: f64 = 0.009;
 /// Walks for each sample of another method: they have the most noise.

@@ -14,7 +14,9 @@ use common::scenes::{furnace, l_shape, white};
 use glam::{Affine3A, Vec3};
 
 /// Samples of a pixel in each of the sixteen groups.
-const SAMPLES: u64 = 96;
+const SAMPLES: u64 = 64;
+/// Walks for each sample of another method: they have the most noise.
+const WALKS: u64 = 4;
 
 struct Case {
     name: &'static str,
@@ -144,7 +146,7 @@ fn no_error_is_larger_than_expected() {
         let choices = accuracies.map(|accuracy| planned(&scene, accuracy).method);
         chosen.extend(choices);
         let mut walk = Groups::new(&scene, Method::Walk, 0);
-        walk.extend_to(SAMPLES);
+        walk.extend_to(WALKS * SAMPLES);
         for method in [Method::Diffuse, Method::Bssrdf] {
             let expected = object.expected.of(method).expect("these bodies are within the table");
             let mut groups = Groups::new(&scene, method, 0);

@@ -31,33 +31,33 @@ pub fn decide(expected: &Expected, request: &Request) -> (Method, String) {
     let accuracy = f64::from(request.accuracy);
     let limit = percent(accuracy);
     let suits = |error: Option<f64>| error.is_some_and(|error| error <= accuracy);
-    let diffuse = said(expected.diffuse);
-    let bssrdf = said(expected.bssrdf);
+    let diffuse = expectation(Method::Diffuse, expected.diffuse);
+    let bssrdf = expectation(Method::Bssrdf, expected.bssrdf);
     if suits(expected.diffuse) {
-        return (Method::Diffuse, format!("diffuse is expected within {diffuse}; {limit} is asked for"));
+        return (Method::Diffuse, format!("{diffuse}; {limit} is asked for"));
     }
     if suits(expected.bssrdf) {
-        let reason =
-            format!("bssrdf is expected within {bssrdf}, diffuse within {diffuse}; {limit} is asked for");
-        return (Method::Bssrdf, reason);
+        return (Method::Bssrdf, format!("{bssrdf}, {diffuse}; {limit} is asked for"));
     }
     match expected.walk {
-        Ok(_) => (Method::Walk, format!("bssrdf is expected within {bssrdf} only; {limit} is asked for")),
+        Ok(_) => (Method::Walk, format!("{bssrdf}; {limit} is asked for")),
         Err(obstacle) => {
-            let reason = format!(
-                "bssrdf, expected within {bssrdf} where {limit} is asked for: it cannot be walked in, as {obstacle}"
-            );
+            let reason =
+                format!("{bssrdf}; {limit} is asked for, but the object cannot be walked in: {obstacle}");
             (Method::Bssrdf, reason)
         }
     }
 }
 
-/// For people; a limit that is not known says so.
-pub fn said(error: Option<f64>) -> String {
-    error.map_or("an unknown error".into(), percent)
+fn expectation(method: Method, error: Option<f64>) -> String {
+    let name = method.name();
+    match error {
+        Some(error) => format!("{name} is expected within {}", percent(error)),
+        None => format!("no error of {name} is known here"),
+    }
 }
 
-/// Two significant digits, which do not say less than `share`.
+/// For people, to a tenth below ten per cent.
 fn percent(share: f64) -> String {
     let digits = if share < 0.0995 { 1 } else { 0 };
     format!("{:.digits$} %", 100.0 * share)

@@ -157,7 +157,7 @@ fn has_tabulated_profile(choice: ProfileChoice, ior: f32, g: f32) -> bool {
     choice.kind().unwrap_or_else(automatic) == ProfileKind::Tabulated
 }
 
-/// What keeps paths from walking in a body; completes "it cannot be walked in: …".
+/// What keeps paths from walking in a body; completes "the object cannot be walked in: …".
 fn obstacle(scene: &Scene, flaws: &[Flaw], ior: f32, roughness: f32) -> Option<&'static str> {
     let has = |flaw: fn(&Flaw) -> bool| flaws.iter().any(flaw);
     let refracts = ior != 1.0 && is_smooth(roughness * roughness);
