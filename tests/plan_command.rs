@@ -83,8 +83,8 @@ fn the_scene_and_the_command_line_say_what_is_wanted() {
     assert_eq!(method(&["--method", "bssrdf"]), "bssrdf");
     assert_eq!(method(&["--profile", "dipole"]), "bssrdf");
     // Pixels that show less see where light leaves.
-    assert_eq!(method(&["--accuracy", "0.03", "--height", "8"]), "diffuse");
-    assert_ne!(method(&["--accuracy", "0.03", "--height", "65536"]), "diffuse");
+    assert_eq!(method(&["--accuracy", "0.021", "--height", "8"]), "diffuse");
+    assert_ne!(method(&["--accuracy", "0.021", "--height", "65536"]), "diffuse");
 }
 
 #[test]
