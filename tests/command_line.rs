@@ -128,7 +128,9 @@ fn walks_are_reported_and_what_is_odd_is_told() {
     let sheet = "[[object]]\nname = \"leaf\"\nshape = \"quad\"\ncenter = [0, 0, 2]\nnormal = [0, 0, 1]\n\
                  size = [1, 1]\nmaterial = \"marble\"\n[subsurface]\nmethod = \"walk\"\n";
     fs::write(folder.path("leaf.toml"), format!("{SCENE}{sheet}")).unwrap();
-    let (_, told) = folder.run(&["render", "leaf.toml", "-o", "a.exr", "--spp", "1"]).ends_with(0);
+    let (_, told) = folder
+        .run(&["render", "leaf.toml", "-o", "a.exr", "--spp", "1", "--width", "32", "--height", "32"])
+        .ends_with(0);
     assert!(told.contains("warning: object \"leaf\": it encloses no volume"), "{told}");
 }
 

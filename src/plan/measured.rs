@@ -92,7 +92,7 @@ mod tests {
         let turned = |size: f32, stretch: f32| {
             let turn = Quat::from_axis_angle(Vec3::new(0.6, 0.0, 0.8), 1.0);
             let scale = Vec3::new(size, size * stretch, size);
-            Affine3A::from_scale_rotation_translation(scale, turn, Vec3::splat(4.0))
+            Affine3A::from_scale_rotation_translation(scale, turn, Vec3::splat(4.0 * size))
         };
         for (transform, shapes) in
             [(turned(1.0, 1.0), 1), (turned(1e-6, 1.0), 1), (Affine3A::IDENTITY, 1), (turned(3.0, 2.0), 2)]
