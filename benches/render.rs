@@ -40,6 +40,7 @@ fn renderer(name: &str) -> Renderer<EmbreeCaster> {
     let options = RenderOptions {
         seed: 1,
         method: Method::Bssrdf,
+        accuracy: 0.02,
         profile: ProfileChoice::Auto,
         max_depth: 0,
         spheres: true,

@@ -18,10 +18,11 @@ use std::sync::atomic::AtomicBool;
 use alabaster::diffusion::NormalizedDiffusion;
 use alabaster::film::Film;
 use alabaster::math::sampler::HashGenerator;
+use alabaster::plan::{Plan, Request};
 use alabaster::radiometry::Rgb;
 use alabaster::raycast::embree::EmbreeCaster;
-use alabaster::raycast::{Hit, Ray, RayCaster};
-use alabaster::scene::{Scene, read_scene};
+use alabaster::raycast::{Hit, Ray, RayCaster, RaycastError};
+use alabaster::scene::{Method, Scene, read_scene};
 use alabaster::transport::area_integral::AreaIntegral;
 use alabaster::transport::spread::{Channels, Spread};
 use alabaster::transport::world::World;
@@ -131,7 +132,7 @@ fn row(body: bodies::Body, indices: &[f32], pbrt: &'static str) -> Row {
 fn model_row(path: &Path) -> Result<Row, Box<dyn Error>> {
     let mut scene = read_scene(path)?;
     (scene.film.width, scene.film.height) = (SIDE, SIDE);
-    let world = World::new(scene.clone(), |geometry| EmbreeCaster::new(geometry, 1))?;
+    let world = world(&scene)?;
     let sigma_t = 50.0 / world.diameter(0);
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Ok(Row {
@@ -143,10 +144,15 @@ fn model_row(path: &Path) -> Result<Row, Box<dyn Error>> {
     })
 }
 
+/// The scene, with the area integral in all that is translucent.
+fn world(scene: &Scene) -> Result<World<EmbreeCaster>, RaycastError> {
+    let request = Request { method: Method::Bssrdf, ..Request::from(&scene.subsurface) };
+    World::new(scene.clone(), Plan::new(scene, &request).methods(), |geometry| EmbreeCaster::new(geometry, 1))
+}
+
 /// ∫_A R dA over the points that the camera sees, by the estimator that shares no energy.
 fn planar_profile(row: &Row) -> Statistics {
-    let world =
-        World::new(row.scene.clone(), |geometry| EmbreeCaster::new(geometry, 1)).expect("a scene in memory");
+    let world = world(&row.scene).expect("a scene in memory");
     let camera = row.scene.camera.rays(1.0);
     let pixels: Vec<f64> = (0..SIDE * SIDE)
         .into_par_iter()

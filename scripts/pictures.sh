@@ -10,7 +10,8 @@ work=$(mktemp -d)
 changed=docs/pictures/.changed.toml
 trap 'rm -rf "$work" "$changed"' EXIT
 
-render() { target/release/alabaster render "$@"; }
+# One method for all, so that they can be compared with each other.
+render() { target/release/alabaster render --method bssrdf "$@"; }
 join() { target/release/examples/side_by_side "$@"; }
 wanted=" $* "
 is_wanted() { [ "$wanted" = "  " ] || [[ $wanted == *" $1 "* ]]; }

@@ -44,7 +44,11 @@ fn render_writes_every_output_and_reports_what_it_did() {
     assert_eq!(report["samples"], 3 * 16 * 12);
     assert_eq!(report["threads"], 1);
     assert_eq!(report["backend"], Backend::default().name());
-    assert_eq!(report["method"], "bssrdf");
+    assert_eq!(report["method"], "auto");
+    let of_sphere = &report["methods"][0];
+    assert_eq!(report["methods"].as_array().map(Vec::len), Some(1));
+    assert_eq!(of_sphere["object"], "sphere");
+    assert!(of_sphere["expected_error"].as_f64() <= Some(0.02), "{of_sphere}");
     assert_eq!(report["outputs"], serde_json::json!(["a.exr", "a.png"]));
     let picture = read_picture(&folder.path("a.exr")).unwrap();
     assert_eq!((picture.width, picture.height), (16, 12));
@@ -124,7 +128,9 @@ fn walks_are_reported_and_what_is_odd_is_told() {
     let sheet = "[[object]]\nname = \"leaf\"\nshape = \"quad\"\ncenter = [0, 0, 2]\nnormal = [0, 0, 1]\n\
                  size = [1, 1]\nmaterial = \"marble\"\n[subsurface]\nmethod = \"walk\"\n";
     fs::write(folder.path("leaf.toml"), format!("{SCENE}{sheet}")).unwrap();
-    let (_, told) = folder.run(&["render", "leaf.toml", "-o", "a.exr", "--spp", "1"]).ends_with(0);
+    let (_, told) = folder
+        .run(&["render", "leaf.toml", "-o", "a.exr", "--spp", "1", "--width", "32", "--height", "32"])
+        .ends_with(0);
     assert!(told.contains("warning: object \"leaf\": it encloses no volume"), "{told}");
 }
 
@@ -186,7 +192,7 @@ fn quiet_is_quiet() {
 #[test]
 fn wrong_command_lines_are_refused() {
     let folder = folder();
-    let cases: [(&[&str], &str); 13] = [
+    let cases: [(&[&str], &str); 18] = [
         (&[], "--output"),
         (&["-o", "a.jpg"], "a.jpg: pictures are written as .exr or .png"),
         (&["-o", "a"], "choose one of these endings"),
@@ -198,6 +204,11 @@ fn wrong_command_lines_are_refused() {
         (&["-o", "a.png", "--exposure", "inf"], "a finite number is wanted"),
         (&["-o", "a.exr", "--threads", "0"], "--threads"),
         (&["-o", "a.exr", "--method", "magic"], "[possible values: auto, bssrdf, walk, diffuse]"),
+        (&["-o", "a.exr", "--accuracy", "0"], "above 0, 1 at most"),
+        (&["-o", "a.exr", "--accuracy", "-0.1"], "such as 0.02 or 2%"),
+        (&["-o", "a.exr", "--accuracy", "NaN"], "above 0, 1 at most"),
+        (&["-o", "a.exr", "--accuracy", "1.01"], "above 0, 1 at most"),
+        (&["-o", "a.exr", "--accuracy", "101%"], "above 0, 1 at most"),
         (&["-o", "a.exr", "--backend", "magic"], "[possible values: embree, bvh]"),
         (&["-o", "a.exr", "--aov", "depth"], "depth"),
     ];

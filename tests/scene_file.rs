@@ -226,7 +226,7 @@ fn surfaces_of_every_type_are_read() {
 /// Mistakes: what is put after a valid object, material and light; the place and a piece of the
 /// message. Lines count from 1; the extra text begins on line 10.
 #[rustfmt::skip]
-const MISTAKES: [(&str, &str, &str); 40] = [
+const MISTAKES: [(&str, &str, &str); 44] = [
     ("[render]\nsp = 1", "line 11, render.sp", "did you mean `spp`?"),
     ("[rendr]\n", "line 10, rendr", "did you mean `render`?"),
     ("[film]\nzzzzzz = 1", "line 11, film.zzzzzz", "known: width, height, filter"),
@@ -238,6 +238,10 @@ const MISTAKES: [(&str, &str, &str); 40] = [
     ("[render]\nspp = -3", "line 11, render.spp", "not -3"),
     ("[render]\nmode = 7", "line 11, render.mode", "expected text"),
     ("[subsurface]\nmethod = 'wlak'", "line 11, subsurface.method", "did you mean `walk`?"),
+    ("[subsurface]\naccuracy = 0", "line 11, subsurface.accuracy", "above 0, and 1 at most, not 0"),
+    ("[subsurface]\naccuracy = 2", "line 11, subsurface.accuracy", "above 0, and 1 at most, not 2"),
+    ("[subsurface]\naccuracy = nan", "line 11, subsurface.accuracy", "finite"),
+    ("[subsurface]\naccurcy = 0.1", "line 11, subsurface.accurcy", "did you mean `accuracy`?"),
     ("[camera]\ntarget = [0, 0, 0]", "line 10, camera", "`position` is missing"),
     ("[camera]\nposition = [0, 0, 1]\ntarget = [0, 0, 1]", "line 10, camera", "same point"),
     ("[camera]\nposition = [0, 9, 0]\ntarget = [0, 0, 0]", "line 10, camera", "`up` points along"),

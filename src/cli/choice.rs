@@ -1,10 +1,11 @@
 //! Values on the command line.
 
-use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, ValueEnum};
 
 use crate::film::layers::Layer;
 use crate::film::view::View;
+use crate::scene::{Method, ProfileChoice, SubsurfaceSettings};
 
 /// A parser that knows the names in `table`, which are also those in scene files.
 pub fn named<T: Copy + Send + Sync + 'static, const N: usize>(
@@ -45,6 +46,38 @@ pub fn cosine(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number > 0.0 && number <= 1.0 => Ok(number),
         _ => Err("a number above 0, 1 at most, is wanted".into()),
+    }
+}
+
+/// A share above 0, 1 at most, also in per cent.
+pub fn share(text: &str) -> Result<f32, String> {
+    let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
+    match number.trim_end().parse::<f32>().map(|number| number * unit) {
+        Ok(share) if share > 0.0 && share <= 1.0 => Ok(share),
+        _ => Err("a share above 0, 1 at most, is wanted, such as 0.02 or 2%".into()),
+    }
+}
+
+/// How light under surfaces is computed.
+#[derive(Args)]
+pub struct SubsurfaceArgs {
+    /// How light under surfaces is computed [default: the scene's]
+    #[arg(long, value_parser = named(Method::NAMES))]
+    method: Option<Method>,
+    /// Diffusion profile [default: the scene's]
+    #[arg(long, value_name = "NAME", value_parser = named(ProfileChoice::NAMES))]
+    profile: Option<ProfileChoice>,
+    /// The method auto takes approximations whose expected relative error is at most this: 0.05 or 5% [default: the scene's, else 0.02]
+    #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true)]
+    accuracy: Option<f32>,
+}
+
+impl SubsurfaceArgs {
+    /// Puts what is given in the place of the scene's.
+    pub fn override_in(&self, settings: &mut SubsurfaceSettings) {
+        settings.method = self.method.unwrap_or(settings.method);
+        settings.profile = self.profile.unwrap_or(settings.profile);
+        settings.accuracy = self.accuracy.unwrap_or(settings.accuracy);
     }
 }
 

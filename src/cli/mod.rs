@@ -9,6 +9,7 @@ mod console;
 mod error;
 mod materials;
 mod photon_progress;
+mod plan;
 mod profile;
 mod profile_input;
 mod progress;
@@ -49,6 +50,8 @@ struct Cli {
 enum Command {
     /// Renders a scene (.toml, .glb or .gltf) to .exr and .png pictures
     Render(render::RenderArgs),
+    /// Says which method each translucent object gets, and which errors are to be expected of it
+    Plan(plan::PlanArgs),
     /// Makes a .png picture for people of an .exr
     Tonemap(tonemap::TonemapArgs),
     /// Compares a picture with a reference (both .exr): errors, bias with its noise, what an eye would see
@@ -86,6 +89,7 @@ pub fn main() -> ExitCode {
 fn run(command: Command) -> Result<(), CliError> {
     match command {
         Command::Render(args) => render::run(&args),
+        Command::Plan(args) => plan::run(&args),
         Command::Tonemap(args) => tonemap::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Slab(args) => slab::run(&args),

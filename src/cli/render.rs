@@ -7,11 +7,12 @@ use std::sync::atomic::Ordering;
 use clap::Args;
 
 use super::backend::{RayWork, run_on};
-use super::choice::{LayerChoice, ViewChoice, finite, named, positive};
+use super::choice::{LayerChoice, SubsurfaceArgs, ViewChoice, finite, named, positive};
 use super::console::{print_line, say};
 use super::error::CliError;
+use super::plan;
 use super::progress::Progress;
-use super::report::{MadeBy, Report};
+use super::report::{MadeBy, MethodOf, Report};
 use super::stop::Stop;
 use super::threads::ThreadArgs;
 use crate::diffusion::ProfileKind;
@@ -22,7 +23,7 @@ use crate::film::output::{Format, check_writable, replace};
 use crate::film::schedule::{Limits, Status};
 use crate::film::{Film, exr, png};
 use crate::raycast::{Backend, Geometry, RayCaster, RaycastError};
-use crate::scene::{Method, ProfileChoice, Scene, read_scene};
+use crate::scene::{Scene, read_scene};
 use crate::transport::{Counters, RenderOptions, Renderer};
 
 /// Arguments of `render`.
@@ -48,12 +49,8 @@ pub struct RenderArgs {
     /// Stop when the estimated relative error (square root of relMSE) is at most this
     #[arg(long, value_name = "REL", value_parser = positive)]
     error: Option<f64>,
-    /// How light under surfaces is computed [default: the scene's]
-    #[arg(long, value_parser = named(Method::NAMES))]
-    method: Option<Method>,
-    /// Diffusion profile [default: the scene's]
-    #[arg(long, value_name = "NAME", value_parser = named(ProfileChoice::NAMES))]
-    profile: Option<ProfileChoice>,
+    #[command(flatten)]
+    subsurface: SubsurfaceArgs,
     /// What casts the rays
     #[arg(long, value_parser = named(Backend::NAMES), default_value = Backend::default().name())]
     backend: Backend,
@@ -111,8 +108,7 @@ fn scene_with_overrides(args: &RenderArgs) -> Result<Scene, CliError> {
     let mut scene = read_scene(&args.scene)?;
     scene.film.width = args.width.unwrap_or(scene.film.width);
     scene.film.height = args.height.unwrap_or(scene.film.height);
-    scene.subsurface.method = args.method.unwrap_or(scene.subsurface.method);
-    scene.subsurface.profile = args.profile.unwrap_or(scene.subsurface.profile);
+    args.subsurface.override_in(&mut scene.subsurface);
     Ok(scene)
 }
 
@@ -120,6 +116,7 @@ fn options(args: &RenderArgs, scene: &Scene) -> RenderOptions {
     RenderOptions {
         seed: args.seed,
         method: scene.subsurface.method,
+        accuracy: scene.subsurface.accuracy,
         profile: scene.subsurface.profile,
         max_depth: scene.render.max_depth,
         spheres: true,
@@ -127,14 +124,12 @@ fn options(args: &RenderArgs, scene: &Scene) -> RenderOptions {
     }
 }
 
-/// Backend, method and profiles in use: where the scene leaves the method open, the area integral.
+/// Backend, methods and profiles in use.
 fn made_by<C: RayCaster>(args: &RenderArgs, renderer: &Renderer<C>) -> MadeBy {
-    let method = match renderer.scene().subsurface.method {
-        Method::Auto => Method::Bssrdf.name(),
-        chosen => chosen.name(),
-    };
+    let method = renderer.scene().subsurface.method.name();
+    let methods = renderer.plan().objects.iter().map(MethodOf::new).collect();
     let profiles = renderer.profiles().into_iter().map(ProfileKind::name).collect();
-    MadeBy { backend: args.backend.name(), method, profiles }
+    MadeBy { backend: args.backend.name(), method, methods, profiles }
 }
 
 fn limits(args: &RenderArgs, scene: &Scene) -> Limits {
@@ -158,7 +153,8 @@ fn render_and_save<C: RayCaster>(
     if report.samples == 0 && stop.interrupted() {
         return Err(CliError::Interrupted("there was nothing to save yet".into()));
     }
-    save(args, &film, &report)?;
+    let plan = plan::as_json(renderer.plan(), &renderer.scene().subsurface).to_string();
+    save(args, &film, &report, plan)?;
     report.print_warnings();
     if args.json {
         print_line(&report.json()?)?;
@@ -215,11 +211,11 @@ fn render<C: RayCaster>(
     (counters, progress.seconds())
 }
 
-fn save(args: &RenderArgs, film: &Film, report: &Report) -> Result<(), CliError> {
+fn save(args: &RenderArgs, film: &Film, report: &Report, plan: String) -> Result<(), CliError> {
     let picture = film.picture();
     let layers = LayerChoice::layers(&args.aov);
     let channels: Vec<Channel> = layers.into_iter().flat_map(|layer| film.layer(layer)).collect();
-    let attributes = attributes(args, report)?;
+    let attributes = attributes(args, report, plan)?;
     for path in &args.output {
         let format = Format::of(path)?;
         replace(path, |file| match format {
@@ -231,12 +227,13 @@ fn save(args: &RenderArgs, film: &Film, report: &Report) -> Result<(), CliError>
 }
 
 /// What stands in the header of an .exr: everything needed to make the picture again.
-fn attributes(args: &RenderArgs, report: &Report) -> Result<Vec<Attribute>, CliError> {
+fn attributes(args: &RenderArgs, report: &Report, plan: String) -> Result<Vec<Attribute>, CliError> {
     Ok(vec![
         ("alabaster.version", env!("CARGO_PKG_VERSION").into()),
         ("alabaster.commandLine", command_line()),
         ("alabaster.scene", file_name(&args.scene)),
         ("alabaster.seed", args.seed.to_string()),
+        ("alabaster.plan", plan),
         ("alabaster.profiles", report.profiles.join(", ")),
         ("alabaster.spp", report.spp.to_string()),
         ("alabaster.seconds", report.seconds.to_string()),

@@ -9,7 +9,12 @@ use super::error::CliError;
 use super::progress::{duration, quantity};
 use crate::film::Film;
 use crate::film::accumulator::LARGEST;
+use crate::plan::PlannedObject;
+use crate::scene::Method;
 use crate::transport::{Counters, ProbeCounters};
+
+/// Objects of one method that are named one by one.
+const MOST_NAMED: usize = 4;
 
 /// The object printed by `render --json`.
 #[derive(Debug, Serialize)]
@@ -25,7 +30,9 @@ pub struct Report {
     samples_per_second: f64,
     threads: usize,
     backend: &'static str,
+    /// What was asked for.
     method: &'static str,
+    methods: Vec<MethodOf>,
     /// Names of the diffusion profiles in use.
     pub profiles: Vec<&'static str>,
     /// Samples that were not finite and added nothing.
@@ -51,13 +58,35 @@ struct Probes {
     overflowed: u64,
 }
 
+/// How light under the surface of an object was computed.
+#[derive(Clone, Debug, Serialize)]
+pub struct MethodOf {
+    object: String,
+    method: &'static str,
+    /// `null` where it is not known.
+    expected_error: Option<f64>,
+}
+
+impl MethodOf {
+    /// Of an object as planned.
+    pub fn new(planned: &PlannedObject) -> Self {
+        Self {
+            object: planned.object.clone(),
+            method: planned.method.name(),
+            expected_error: planned.expected.of(planned.method),
+        }
+    }
+}
+
 /// What rendered the picture, by the names that the command line has for it.
 #[derive(Clone, Debug)]
 pub struct MadeBy {
     /// What cast the rays.
     pub backend: &'static str,
-    /// How light under the surface was computed.
+    /// How light under surfaces was to be computed.
     pub method: &'static str,
+    /// How it was, by object.
+    pub methods: Vec<MethodOf>,
     /// The diffusion profiles in use.
     pub profiles: Vec<&'static str>,
 }
@@ -77,6 +106,7 @@ impl Report {
             threads: rayon::current_num_threads(),
             backend: made_by.backend,
             method: made_by.method,
+            methods: made_by.methods,
             profiles: made_by.profiles,
             nonfinite: tally.nonfinite,
             clamped: tally.clamped,
@@ -98,11 +128,31 @@ impl Report {
             .map_err(|error| CliError::machine(format!("the report cannot be written as JSON: {error}")))
     }
 
-    /// In a line.
+    /// The objects by the method that each got.
+    fn methods_in_words(&self) -> String {
+        let of = |(name, _): (&'static str, Method)| {
+            let objects: Vec<&str> = self
+                .methods
+                .iter()
+                .filter(|found| found.method == name)
+                .map(|found| found.object.as_str())
+                .collect();
+            match objects[..] {
+                [] => None,
+                _ if objects.len() <= MOST_NAMED => Some(format!("{name}: {}", objects.join(", "))),
+                _ => Some(format!("{name}: {} objects", objects.len())),
+            }
+        };
+        Method::NAMES.into_iter().filter_map(of).collect::<Vec<_>>().join("; ")
+    }
+
+    /// In a line, and one for the methods where they were chosen.
     pub fn summary(&self) -> String {
         let error = self.relative_error.map_or("unknown".into(), |error| format!("{error:.4}"));
+        let chosen = self.method == Method::Auto.name() && !self.methods.is_empty();
+        let methods = if chosen { format!("\n{}", self.methods_in_words()) } else { String::new() };
         format!(
-            "{} × {} pixels, {} spp in {} ({}samples/s), relative error {error}",
+            "{} × {} pixels, {} spp in {} ({}samples/s), relative error {error}{methods}",
             self.width,
             self.height,
             self.spp,

@@ -69,6 +69,16 @@ pub enum Light {
     },
 }
 
+impl Light {
+    /// True if paths can meet it.
+    pub fn has_size(&self) -> bool {
+        match self {
+            Self::Quad { .. } | Self::Disk { .. } | Self::Sphere { .. } => true,
+            Self::Point { .. } | Self::Spot { .. } | Self::Directional { .. } => false,
+        }
+    }
+}
+
 /// Light from infinitely far away in every direction.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Environment {

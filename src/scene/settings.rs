@@ -66,12 +66,20 @@ pub enum ProfileChoice {
 }
 
 /// How subsurface scattering is computed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SubsurfaceSettings {
     /// Method.
     pub method: Method,
     /// Diffusion profile, where the method uses one.
     pub profile: ProfileChoice,
+    /// The largest relative error that an approximation may be expected to have where the program chooses the method.
+    pub accuracy: f32,
+}
+
+impl Default for SubsurfaceSettings {
+    fn default() -> Self {
+        Self { method: Method::default(), profile: ProfileChoice::default(), accuracy: 0.02 }
+    }
 }
 
 /// How much work is done.

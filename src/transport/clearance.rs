@@ -9,11 +9,11 @@
 
 use glam::{UVec3, Vec3};
 
-use super::solid::Flaw;
-use super::substance::{Substance, is_walked};
+use super::substance::Substance;
 use crate::math::distance_transform::squared_distances;
 use crate::medium::Medium;
-use crate::scene::{Scene, Surface};
+use crate::plan::solid::Flaw;
+use crate::scene::{Method, Scene, Surface};
 
 /// Cells along the longest side of a bounding box, at most: distances must fit into [`Clearance::distances`].
 const MOST_CELLS: f32 = 160.0;
@@ -164,6 +164,7 @@ impl Grid {
 pub(super) fn surroundings(
     scene: &Scene,
     substances: &[Substance],
+    methods: &[Option<Method>],
     bounds: &[(Vec3, Vec3)],
     flaws: &[(u32, Flaw)],
 ) -> Vec<Option<Box<[u32]>>> {
@@ -173,7 +174,8 @@ pub(super) fn surroundings(
             let own = bounds[instance as usize];
             // Where the surface has holes, to be away from it is not to be inside.
             let sound = !flaws.iter().any(|&(flawed, flaw)| flawed == instance && flaw != Flaw::InsideOut);
-            (sound && is_thick(scene, substances[instance as usize], own))
+            let walked = methods[instance as usize] == Some(Method::Walk);
+            (sound && walked && is_thick(scene, substances[instance as usize], own))
                 .then(|| (0..bounds.len() as u32).filter(|&i| meets(bounds[i as usize], own)).collect())
         })
         .collect()
@@ -185,12 +187,8 @@ fn depth(medium: &Medium) -> f32 {
     length.zip(medium.sigma_t(), |length, t| length.max(1.0 / t)).max_component()
 }
 
-/// True if paths walk in `substance` and a body of it with this bounding box is many mean free paths thick, in all
-/// channels.
+/// True if a body of `substance` with this bounding box is many mean free paths thick, in all channels.
 fn is_thick(scene: &Scene, substance: Substance, (low, high): (Vec3, Vec3)) -> bool {
-    if !is_walked(scene, substance) {
-        return false;
-    }
     let Substance::Material(material) = substance else { return false };
     let Surface::Translucent { medium, .. } = &scene.materials[material].surface else { return false };
     (high - low).min_element() * medium.sigma_t().min_component() >= LEAST_THICKNESS

@@ -13,7 +13,6 @@ mod path;
 pub mod renderer;
 pub mod scatterer;
 mod shading;
-pub mod solid;
 pub mod spheres;
 pub mod spread;
 pub mod substance;

@@ -24,7 +24,7 @@ use crate::math::sampler::HashGenerator;
 use crate::math::{Frame, SampleStream};
 use crate::radiometry::Rgb;
 use crate::raycast::{Hit, Ray, RayCaster};
-use crate::scene::{Method, ScatteringInput, Scene};
+use crate::scene::{ScatteringInput, Scene};
 
 /// Sets of the sample stream by the place they are used at.
 pub(super) mod place {
@@ -164,15 +164,15 @@ impl<'a, C: RayCaster> Path<'a, C> {
             return Some(Next { origin, direction: from.direction });
         }
         self.add_material_emission(material, &surface, from.direction);
-        let walks = self.renderer.options.method == Method::Walk;
-        if walks && self.passes(&surface, from.direction) {
+        if self.renderer.has_walks && self.passes(&surface, from.direction) {
             return self.pass(&surface, from.direction);
         }
         if self.bounce >= self.limit() {
             self.counters.capped_paths += 1;
             return None;
         }
-        let next = if !walks && self.renderer.scatterers[material].is_some() {
+        let below = !world.is_walked(hit.instance) && self.renderer.scatterers[material].is_some();
+        let next = if below {
             self.scatter_translucent(material, &surface, -from.direction)
         } else {
             self.scatter_bsdf(material, &surface, -from.direction)

@@ -15,18 +15,21 @@ use super::world::{UPWARDS, World};
 use crate::diffusion::{ModelKind, ProfileKind};
 use crate::math::SampleStream;
 use crate::math::robust::offset_from_surface;
+use crate::plan::{Plan, Request};
 use crate::radiometry::Rgb;
 use crate::raycast::{Geometry, Ray, RayCaster, RaycastError};
 use crate::scene::camera::CameraRays;
 use crate::scene::{ColorMode, Light, Method, ProfileChoice, ScatteringInput, Scene, Surface};
 
 /// What a render can be asked for beyond the scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RenderOptions {
     /// Seed of all random numbers.
     pub seed: u64,
     /// How light under the surface is computed.
     pub method: Method,
+    /// The largest relative error that an approximation may be expected to have where the method is chosen by body.
+    pub accuracy: f32,
     /// Which diffusion profile.
     pub profile: ProfileChoice,
     /// Longest path in bounces; 0: no limit.
@@ -37,6 +40,12 @@ pub struct RenderOptions {
     /// Whether walks in bodies that absorb are guided towards where light leaves. The picture is the same but for noise, which
     /// without is more for the time.
     pub guiding: bool,
+}
+
+impl From<&RenderOptions> for Request {
+    fn from(options: &RenderOptions) -> Self {
+        Self { method: options.method, profile: options.profile, accuracy: options.accuracy }
+    }
 }
 
 /// Why a scene cannot be rendered.
@@ -72,6 +81,9 @@ pub struct Renderer<C> {
     pub(super) options: RenderOptions,
     /// Shadow rays may meet surfaces that bend nothing.
     pub(super) has_passages: bool,
+    /// Paths walk in some bodies.
+    pub(super) has_walks: bool,
+    plan: Plan,
     /// By instance: some light lies in the bounding box of a body that paths walk in.
     lit_inside: Vec<bool>,
     /// By instance: free space in bodies that paths walk in, where it is used.
@@ -89,21 +101,22 @@ impl<C: RayCaster> Renderer<C> {
     ) -> Result<Self, RenderError> {
         check(&scene)?;
         clear_bodies_without_scattering(&mut scene);
-        scene.subsurface.method = options.method;
+        let plan = Plan::new(&scene, &Request::from(&options));
         let camera = scene.camera.rays(scene.film.width as f32 / scene.film.height as f32);
-        let world = World::new(scene, build)?;
+        let world = World::new(scene, plan.methods(), build)?;
         let scene = world.scene();
         let lights = LightSampler::new(&world, world.radius());
-        let profile = match options.method {
-            // None is used, and this one needs no preparation.
-            Method::Diffuse | Method::Walk => Some(ProfileKind::Model(ModelKind::NormalizedDiffusion)),
-            _ => options.profile.kind(),
+        let has_walks = world.has_walks();
+        // Where none is used, one that needs no preparation.
+        let profile = |material| match uses_profile(&world, material) {
+            true => options.profile.kind(),
+            false => Some(ProfileKind::Model(ModelKind::NormalizedDiffusion)),
         };
         let mut scatterers = (0..scene.materials.len())
-            .map(|material| Scatterer::new(scene, material, profile))
+            .map(|material| Scatterer::new(scene, material, profile(material), has_walks))
             .collect::<Result<Vec<_>, _>>()?;
-        let camera_interiors = interiors_at(&world, &scatterers, scene.camera.position);
-        let has_passages = options.method == Method::Walk && has_passages(&world);
+        let camera_interiors = interiors_at(&world, &scatterers, scene.camera.position, UPWARDS);
+        let has_passages = has_walks && has_passages(&world);
         let lit_inside = (0..world.substances().len() as u32).map(|i| is_lit_inside(&world, i)).collect();
         let clearances = clearances(&world, &scatterers, options.spheres);
         prepare_spheres(&world, &clearances, &mut scatterers);
@@ -113,6 +126,8 @@ impl<C: RayCaster> Renderer<C> {
             scatterers,
             options,
             has_passages,
+            has_walks,
+            plan,
             lit_inside,
             clearances,
             camera,
@@ -128,14 +143,18 @@ impl<C: RayCaster> Renderer<C> {
     /// The diffusion profiles in use, each once; none where light leaves where it entered.
     pub fn profiles(&self) -> Vec<ProfileKind> {
         let mut profiles = Vec::new();
-        if !matches!(self.options.method, Method::Diffuse | Method::Walk) {
-            for kind in self.scatterers.iter().flatten().flat_map(Scatterer::profiles) {
-                if !profiles.contains(&kind) {
-                    profiles.push(kind);
-                }
+        let used = |(material, scatterer)| uses_profile(&self.world, material).then_some(scatterer);
+        for kind in (0..).zip(&self.scatterers).filter_map(used).flatten().flat_map(Scatterer::profiles) {
+            if !profiles.contains(&kind) {
+                profiles.push(kind);
             }
         }
         profiles
+    }
+
+    /// Which method each translucent body has got, and why.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
     }
 
     /// The ray caster.
@@ -189,13 +208,17 @@ impl<C: RayCaster> Renderer<C> {
     /// Radiance, W/(m² sr), that sample number `sample` finds to arrive at `origin` (m) from unit `direction`.
     pub fn radiance(&self, origin: Vec3, direction: Vec3, sample: u64, counters: &mut Counters) -> Rgb {
         let stream = SampleStream::new(self.options.seed, u64::MAX, sample);
-        let interiors = interiors_at(&self.world, &self.scatterers, origin);
+        let interiors = self.interiors_at(origin, UPWARDS);
         Path::new(self, stream, interiors, counters).radiance(origin, direction)
     }
 
     /// What is wrong with the scene as it is rendered, and what is assumed.
     pub fn warnings(&self) -> Vec<String> {
         warnings(&self.world)
+    }
+
+    pub(super) fn interiors_at(&self, position: Vec3, direction: Vec3) -> Interiors {
+        interiors_at(&self.world, &self.scatterers, position, direction)
     }
 
     pub(super) fn is_lit_inside(&self, instance: u32) -> bool {
@@ -206,6 +229,11 @@ impl<C: RayCaster> Renderer<C> {
     pub(super) fn clearance(&self, instance: u32) -> Option<&Clearance> {
         self.clearances[instance as usize].as_ref()
     }
+}
+
+/// True if the area integral is taken in bodies of `material`.
+fn uses_profile<C: RayCaster>(world: &World<C>, material: usize) -> bool {
+    world.methods_of(material).any(|method| method == Method::Bssrdf)
 }
 
 /// Prepares the steps on spheres of materials that have bodies in which free space is used.
@@ -261,14 +289,15 @@ fn is_clear(surface: &Surface) -> bool {
     }
 }
 
-/// The bodies around `position`, filled. Where an albedo is textured there is no point of entry to look it up at: its
+/// The bodies around `position`, found by a ray in `direction`, filled. Where an albedo is textured there is no point of entry to look it up at: its
 /// factor stands for it.
 fn interiors_at<C: RayCaster>(
     world: &World<C>,
     scatterers: &[Option<Scatterer>],
     position: Vec3,
+    direction: Vec3,
 ) -> Interiors {
-    let mut interiors = world.interiors_at(position, UPWARDS);
+    let mut interiors = world.interiors_at(position, direction);
     let around = interiors;
     for body in interiors.iter_mut().filter(|body| world.is_walked(body.instance)) {
         let Substance::Material(material) = world.substance(body.instance) else { continue };

@@ -11,7 +11,7 @@ use crate::medium::albedo_inversion::unreduced_share;
 use crate::medium::{Medium, PlanarAlbedo};
 use crate::optics::{Boundary, Interface, fresnel_dielectric};
 use crate::radiometry::Rgb;
-use crate::scene::{Method, ScatteringInput, Scene, Surface};
+use crate::scene::{ScatteringInput, Scene, Surface};
 
 /// A material has no such profile.
 #[derive(Debug, Error)]
@@ -132,7 +132,8 @@ impl Immersed {
 }
 
 impl Scatterer {
-    /// Prepares a material of `scene` with the profile asked for, or the best one; `None` if it is not translucent.
+    /// Prepares a material of `scene` with the profile asked for, or the best one; `None` if it is not translucent. If `walks`,
+    /// paths walk in some bodies of the scene.
     ///
     /// # Errors
     /// If the material has no such profile. In surroundings that it may not be in at all another one takes its place.
@@ -140,12 +141,12 @@ impl Scatterer {
         scene: &Scene,
         material: usize,
         profile: Option<ProfileKind>,
+        walks: bool,
     ) -> Result<Option<Self>, ScattererError> {
         let Surface::Translucent { ior, roughness, medium } = &scene.materials[material].surface else {
             return Ok(None);
         };
         let failed = |problem| ScattererError { material: scene.materials[material].name.clone(), problem };
-        let walks = scene.subsurface.method == Method::Walk;
         let mut around: Vec<f32> = vec![1.0];
         for other in &scene.materials {
             let ior = match &other.surface {

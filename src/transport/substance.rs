@@ -1,6 +1,6 @@
 //! What the instances of a scene are made of, and which of them paths enter.
 
-use super::solid::{Flaw, flaws};
+use crate::plan::solid::{Flaw, flaws};
 use crate::radiometry::Rgb;
 use crate::scene::{Method, Scene, Surface};
 
@@ -13,8 +13,9 @@ pub enum Substance {
     Light(usize),
 }
 
-/// Index and absorption inside bodies of a material whose boundary lets paths in.
-pub(super) fn interior_of(scene: &Scene, material: usize) -> Option<(f32, Rgb)> {
+/// Index and absorption inside a body of a material, if its boundary lets paths in; that of what scatters does where paths
+/// walk.
+pub(super) fn interior_of(scene: &Scene, material: usize, walked: bool) -> Option<(f32, Rgb)> {
     match &scene.materials[material].surface {
         Surface::Dielectric { ior, sigma_a, .. } => Some((*ior, *sigma_a)),
         Surface::MetallicRoughness(m)
@@ -22,34 +23,20 @@ pub(super) fn interior_of(scene: &Scene, material: usize) -> Option<(f32, Rgb)> 
         {
             Some((m.ior, m.sigma_a))
         }
-        Surface::Translucent { ior, .. } if scene.subsurface.method == Method::Walk => {
-            Some((*ior, Rgb::ZERO))
-        }
+        Surface::Translucent { ior, .. } if walked => Some((*ior, Rgb::ZERO)),
         _ => None,
     }
 }
 
 /// The flaws of the bodies that paths walk in, by instance.
-pub(super) fn flaws_of_walked(scene: &Scene, substances: &[Substance]) -> Vec<(u32, Flaw)> {
+pub(super) fn flaws_of_walked(scene: &Scene, methods: &[Option<Method>]) -> Vec<(u32, Flaw)> {
     let mut by_mesh: Vec<Option<Vec<Flaw>>> = vec![None; scene.meshes.len()];
     let mut all = Vec::new();
     for (index, instance) in (0..).zip(&scene.instances) {
-        if is_walked(scene, substances[index as usize]) {
+        if methods[index as usize] == Some(Method::Walk) {
             let found = by_mesh[instance.mesh].get_or_insert_with(|| flaws(&scene.meshes[instance.mesh]));
             all.extend(found.iter().map(|&flaw| (index, flaw)));
         }
     }
     all
-}
-
-fn is_translucent(scene: &Scene, substance: Substance) -> bool {
-    matches!(substance, Substance::Material(m) if matches!(scene.materials[m].surface, Surface::Translucent { .. }))
-}
-
-pub(super) fn is_walked(scene: &Scene, substance: Substance) -> bool {
-    scene.subsurface.method == Method::Walk && is_translucent(scene, substance)
-}
-
-pub(super) fn is_probed(scene: &Scene, substance: Substance) -> bool {
-    scene.subsurface.method != Method::Walk && is_translucent(scene, substance)
 }

@@ -4,7 +4,7 @@ use super::substance::Substance;
 use super::world::{UPWARDS, World};
 use crate::optics::is_smooth;
 use crate::raycast::RayCaster;
-use crate::scene::{Light, Scene, Surface};
+use crate::scene::{Scene, Surface};
 
 /// One line for each thing, with what is assumed.
 pub fn warnings<C: RayCaster>(world: &World<C>) -> Vec<String> {
@@ -22,7 +22,7 @@ pub fn warnings<C: RayCaster>(world: &World<C>) -> Vec<String> {
             ));
         }
     }
-    if scene.lights.iter().any(|light| !has_size(light)) {
+    if scene.lights.iter().any(|light| !light.has_size()) {
         let mut materials: Vec<usize> = walked.iter().filter_map(|&i| smooth_material(world, i)).collect();
         materials.sort_unstable();
         materials.dedup();
@@ -40,13 +40,6 @@ fn body_of_same_material_around<C: RayCaster>(world: &World<C>, instance: u32) -
     let around = world.interiors_at((a + b + c) / 3.0, UPWARDS);
     let is_same = |other: u32| other != instance && world.substance(other) == world.substance(instance);
     around.iter().map(|body| body.instance).find(|&other| is_same(other))
-}
-
-fn has_size(light: &Light) -> bool {
-    match light {
-        Light::Quad { .. } | Light::Disk { .. } | Light::Sphere { .. } => true,
-        Light::Point { .. } | Light::Spot { .. } | Light::Directional { .. } => false,
-    }
 }
 
 /// The material of `instance` if its boundary refracts and is smooth.

@@ -4,15 +4,15 @@ use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec4};
 
 use crate::math::robust::{interpolation_error, offset_from_surface};
 use crate::medium::Medium;
+use crate::plan::solid::Flaw;
 use crate::raycast::{Geometry, Hit, MeshInstance, Ray, RayCaster, RaycastError, TriangleMesh};
 use crate::scene::material::Coverage;
 use crate::scene::shape::light_mesh;
-use crate::scene::{Instance, Scene};
+use crate::scene::{Instance, Method, Scene};
 
 use super::clearance::surroundings;
 use super::interiors::{Interior, Interiors};
-use super::solid::Flaw;
-use super::substance::{Substance, flaws_of_walked, interior_of, is_probed, is_walked};
+use super::substance::{Substance, flaws_of_walked, interior_of};
 
 /// A direction to look for the bodies around a point: any would do that is not along a face, and upwards most scenes are open.
 pub const UPWARDS: Vec3 = Vec3::new(0.02, 0.999_8, 0.005);
@@ -50,6 +50,8 @@ struct Placement {
 pub struct World<C> {
     scene: Scene,
     substances: Vec<Substance>,
+    /// By instance: how light under the surface is computed, where it is translucent.
+    methods: Vec<Option<Method>>,
     placements: Vec<Placement>,
     /// World-space bounding box of each instance, m.
     bounds: Vec<(Vec3, Vec3)>,
@@ -64,18 +66,20 @@ pub struct World<C> {
 }
 
 impl<C: RayCaster> World<C> {
-    /// Bakes `scene` and builds the ray caster with `build`. Paths enter translucent bodies if the scene's method is to
-    /// walk in them.
+    /// Bakes `scene` and builds the ray caster with `build`. `methods` says by instance how light under the surface is
+    /// computed, where it is translucent: paths enter those bodies that they walk in.
     pub fn new(
         mut scene: Scene,
+        mut methods: Vec<Option<Method>>,
         build: impl FnOnce(&Geometry) -> Result<C, RaycastError>,
     ) -> Result<Self, RaycastError> {
         let mut substances: Vec<_> =
             scene.instances.iter().map(|i| Substance::Material(i.material)).collect();
         add_lights(&mut scene, &mut substances);
+        methods.resize(substances.len(), None);
         bake(&mut scene);
         let bounds: Vec<_> = scene.instances.iter().map(|i| bounds_of(&scene, i)).collect();
-        let flaws = flaws_of_walked(&scene, &substances);
+        let flaws = flaws_of_walked(&scene, &methods);
         let placements = (0..)
             .zip(&scene.instances)
             .map(|(index, instance)| Placement {
@@ -83,7 +87,7 @@ impl<C: RayCaster> World<C> {
                 mirrored: mirrors(&instance.transform) != flaws.contains(&(index, Flaw::InsideOut)),
             })
             .collect();
-        let surroundings = surroundings(&scene, &substances, &bounds, &flaws);
+        let surroundings = surroundings(&scene, &substances, &methods, &bounds, &flaws);
         let caster = {
             let meshes: Vec<_> = scene
                 .meshes
@@ -93,18 +97,20 @@ impl<C: RayCaster> World<C> {
             let instances: Vec<_> = scene
                 .instances
                 .iter()
-                .zip(&substances)
-                .map(|(instance, substance)| MeshInstance {
+                .zip(&methods)
+                .map(|(instance, method)| MeshInstance {
                     mesh: instance.mesh,
                     transform: instance.transform,
-                    probed: is_probed(&scene, *substance),
+                    probed: *method == Some(Method::Bssrdf),
                 })
                 .collect();
             build(&Geometry { meshes: &meshes, instances: &instances })?
         };
         let enterable = (0..substances.len() as u32)
             .filter(|&i| match substances[i as usize] {
-                Substance::Material(m) => interior_of(&scene, m).is_some(),
+                Substance::Material(m) => {
+                    interior_of(&scene, m, methods[i as usize] == Some(Method::Walk)).is_some()
+                }
                 Substance::Light(_) => false,
             })
             .collect();
@@ -112,6 +118,7 @@ impl<C: RayCaster> World<C> {
         Ok(Self {
             scene,
             substances,
+            methods,
             placements,
             bounds,
             caster,
@@ -182,7 +189,25 @@ impl<C: RayCaster> World<C> {
 
     /// True if paths walk inside `instance`.
     pub fn is_walked(&self, instance: u32) -> bool {
-        is_walked(&self.scene, self.substance(instance))
+        self.method(instance) == Some(Method::Walk)
+    }
+
+    /// True if paths walk inside some instance.
+    pub fn has_walks(&self) -> bool {
+        self.methods.contains(&Some(Method::Walk))
+    }
+
+    /// How light under the surface of `instance` is computed; `None` if it is not translucent.
+    pub fn method(&self, instance: u32) -> Option<Method> {
+        self.methods[instance as usize]
+    }
+
+    /// The methods of the instances of a material.
+    pub fn methods_of(&self, material: usize) -> impl Iterator<Item = Method> {
+        let instances = self.substances.iter().zip(&self.methods);
+        instances
+            .filter(move |(substance, _)| **substance == Substance::Material(material))
+            .filter_map(|(_, method)| *method)
     }
 
     /// True if some material is not everywhere there.
@@ -299,7 +324,7 @@ impl<C: RayCaster> World<C> {
     /// What is inside `instance`, if paths go there; what scatters in it has to be filled in.
     pub fn interior(&self, instance: u32) -> Option<Interior> {
         let Substance::Material(material) = self.substance(instance) else { return None };
-        let (ior, sigma_a) = interior_of(&self.scene, material)?;
+        let (ior, sigma_a) = interior_of(&self.scene, material, self.is_walked(instance))?;
         let diameter = self.diameter(instance);
         Some(Interior { instance, diameter, ior, medium: Medium::clear(sigma_a) })
     }

@@ -5,6 +5,7 @@ pub mod assets;
 pub mod bodies;
 pub mod bsdfs;
 pub mod cpu_time;
+pub mod method_error;
 pub mod scenes;
 pub mod volumetric;
 pub mod walks;

@@ -112,6 +112,7 @@ pub fn options() -> RenderOptions {
     RenderOptions {
         seed: 1,
         method: Method::Bssrdf,
+        accuracy: 0.02,
         profile: ProfileChoice::Auto,
         max_depth: 0,
         spheres: true,

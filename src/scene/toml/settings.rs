@@ -70,12 +70,15 @@ pub fn environment(table: &Table, warnings: &mut Vec<String>) -> Read<Environmen
     Ok(Environment::Constant(table.required("radiance", Value::rgb)?))
 }
 
-/// Keys: `method`, `profile`.
+/// Keys: `method`, `profile`, `accuracy` (0.02).
 pub fn subsurface(table: &Table) -> Read<SubsurfaceSettings> {
-    table.only(&["method", "profile"])?;
+    table.only(&["method", "profile", "accuracy"])?;
+    let default = SubsurfaceSettings::default();
+    let share = |v: &Value| v.number_where(|x| x > 0.0 && x <= 1.0, "above 0, and 1 at most");
     Ok(SubsurfaceSettings {
         method: table.optional("method", |v| v.choice(&Method::NAMES))?.unwrap_or_default(),
         profile: table.optional("profile", |v| v.choice(&ProfileChoice::NAMES))?.unwrap_or_default(),
+        accuracy: table.optional("accuracy", share)?.unwrap_or(default.accuracy),
     })
 }
 

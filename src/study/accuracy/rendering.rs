@@ -37,6 +37,7 @@ pub fn make_ready<C: RayCaster>(
     let options = RenderOptions {
         seed: 0,
         method: series.method,
+        accuracy: scene.subsurface.accuracy,
         profile: series.profile,
         max_depth: scene.render.max_depth,
         spheres: true,

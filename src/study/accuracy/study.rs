@@ -118,6 +118,7 @@ fn look_at<C: RayCaster>(
     let options = RenderOptions {
         seed: 0,
         method,
+        accuracy: scene.subsurface.accuracy,
         profile,
         max_depth: scene.render.max_depth,
         spheres: true,

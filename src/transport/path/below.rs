@@ -96,7 +96,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
             boundary: scattering.boundary,
             dependence: None,
         };
-        if renderer.options.method == Method::Diffuse {
+        if world.method(surface.instance) == Some(Method::Diffuse) {
             return Some(here);
         }
         let drawn = match &scattering.spreading {
@@ -108,7 +108,8 @@ impl<'a, C: RayCaster> Path<'a, C> {
         let point = world.surface(&hit);
         let orientation = Orientation::on_side(world.scene(), material, &point, orientation.flipped);
         if world.has_interiors() {
-            self.interiors = world.interiors_at(leave(&point, orientation.geometric), orientation.geometric);
+            self.interiors =
+                renderer.interiors_at(leave(&point, orientation.geometric), orientation.geometric);
         }
         let immersed = renderer.scatterers[material].as_ref()?.immersed(self.interiors.ior());
         let offset = surface.position - point.position;

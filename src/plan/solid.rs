@@ -73,19 +73,21 @@ fn relative_volume(mesh: &Mesh) -> f64 {
     volume / (area * (high.as_dvec3() - low.as_dvec3()).length())
 }
 
+/// For each vertex a number, the same for all at one position.
+pub(super) fn places(mesh: &Mesh) -> Vec<usize> {
+    let mut places = HashMap::with_capacity(mesh.positions.len());
+    let number = |p: &Vec3| {
+        let next = places.len();
+        // Adding 0 makes −0 the same as 0.
+        *places.entry((*p + Vec3::ZERO).to_array().map(f32::to_bits)).or_insert(next)
+    };
+    mesh.positions.iter().map(number).collect()
+}
+
 /// The edges at which the surface ends, and those at which two triangles are wound against each other. Vertices at the
 /// same position are one.
 fn unpaired_edges(mesh: &Mesh) -> (usize, usize) {
-    let mut places = HashMap::with_capacity(mesh.positions.len());
-    let vertices: Vec<usize> = mesh
-        .positions
-        .iter()
-        .map(|p| {
-            let next = places.len();
-            // Adding 0 makes −0 the same as 0.
-            *places.entry((*p + Vec3::ZERO).to_array().map(f32::to_bits)).or_insert(next)
-        })
-        .collect();
+    let vertices = places(mesh);
     // How often each edge is used, and in one direction more than in the other.
     let mut edges: HashMap<(usize, usize), (u32, i32)> = HashMap::with_capacity(mesh.triangles.len() * 3 / 2);
     for triangle in &mesh.triangles {

@@ -1,0 +1,134 @@
+//! `alabaster plan`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::choice::SubsurfaceArgs;
+use super::console::{print_line, say};
+use super::error::CliError;
+use crate::plan::{Plan, PlannedObject, Request};
+use crate::scene::{Method, SubsurfaceSettings, read_scene};
+
+/// Arguments of `plan`.
+#[derive(Args)]
+pub struct PlanArgs {
+    /// Scene to plan: .toml, .glb or .gltf
+    scene: PathBuf,
+    /// Height of the picture in pixels, on which it depends how much a pixel shows [default: the scene's]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    height: Option<u32>,
+    #[command(flatten)]
+    subsurface: SubsurfaceArgs,
+    /// Print the plan as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Says what rendering the scene would do.
+pub fn run(args: &PlanArgs) -> Result<(), CliError> {
+    let mut scene = read_scene(&args.scene)?;
+    scene.warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
+    scene.film.height = args.height.unwrap_or(scene.film.height);
+    args.subsurface.override_in(&mut scene.subsurface);
+    let plan = Plan::new(&scene, &Request::from(&scene.subsurface));
+    if args.json {
+        return print_line(&as_json(&plan, &scene.subsurface).to_string());
+    }
+    print_line(&as_text(&plan))
+}
+
+/// What is to be done, and what is left out. There is one kernel, which branches at what a scene has.
+pub fn as_json(plan: &Plan, settings: &SubsurfaceSettings) -> Value {
+    let on = !plan.objects.is_empty();
+    let reason = match plan.objects.len() {
+        0 => "no object is translucent".into(),
+        1 => "1 object is translucent".into(),
+        count => format!("{count} objects are translucent"),
+    };
+    json!({
+        "method": settings.method.name(),
+        "accuracy": f64::from(settings.accuracy),
+        "effects": [{ "name": "subsurface scattering", "on": on, "reason": reason }],
+        "kernel": "generic",
+        "dropped": plan.objects.iter().filter_map(dropped).collect::<Vec<_>>(),
+        "objects": plan.objects.iter().map(object_as_json).collect::<Vec<_>>(),
+    })
+}
+
+/// What the method of an object leaves out, and how large an error is expected of that; `null` where it is not known.
+fn dropped(planned: &PlannedObject) -> Option<Value> {
+    let name = match planned.method {
+        Method::Diffuse => "distance between entry and exit",
+        Method::Bssrdf => "shape of the body under the surface",
+        Method::Walk | Method::Auto => return None,
+    };
+    let bound = planned.expected.of(planned.method);
+    Some(json!({ "name": name, "object": planned.object, "bound": bound, "reason": planned.reason }))
+}
+
+fn object_as_json(planned: &PlannedObject) -> Value {
+    json!({
+        "object": planned.object,
+        "material": planned.material,
+        "method": planned.method.name(),
+        "reason": planned.reason,
+        "expected_error": {
+            "diffuse": planned.expected.diffuse,
+            "bssrdf": planned.expected.bssrdf,
+            "walk": planned.expected.walk.ok(),
+        },
+        "thickness": planned.thickness,
+        "absorbed": planned.absorbed,
+        "exit_distance": planned.exit_distance,
+        "mean_chord": planned.body.mean_chord(),
+        "curvature": planned.body.curvature,
+        "volume": planned.body.volume,
+        "area": planned.body.area,
+        "pixel_footprint": planned.pixel_footprint,
+    })
+}
+
+/// A table of the objects, and the reason for each below.
+fn as_text(plan: &Plan) -> String {
+    if plan.objects.is_empty() {
+        return "no object is translucent".into();
+    }
+    let width = plan.objects.iter().map(|object| object.object.chars().count()).max().unwrap_or(0).max(6);
+    let heading = format!(
+        "{:width$}  {:7}  {:>7}  {:>7}  {:>7}  {:>23}  {:>9}",
+        "object", "method", "diffuse", "bssrdf", "walk", "thickness in free paths", "pixel, mm"
+    );
+    let row = |planned: &PlannedObject| {
+        let error = |method| match planned.expected.of(method) {
+            Some(error) => format!("{:.1} %", 100.0 * error),
+            None => "?".into(),
+        };
+        format!(
+            "{:width$}  {:7}  {:>7}  {:>7}  {:>7}  {:>23}  {:>9}\n{:width$}  {}",
+            planned.object,
+            planned.method.name(),
+            error(Method::Diffuse),
+            error(Method::Bssrdf),
+            error(Method::Walk),
+            planned.thickness.map(significant).join(" "),
+            significant(1000.0 * planned.pixel_footprint),
+            "",
+            planned.reason,
+        )
+    };
+    let rows = plan.objects.iter().map(row);
+    [heading].into_iter().chain(rows).collect::<Vec<_>>().join("\n")
+}
+
+/// Three significant digits.
+fn significant(x: f64) -> String {
+    match x.abs() {
+        size if (0.01..10.0).contains(&size) => format!("{x:.2}"),
+        size if (10.0..100.0).contains(&size) => format!("{x:.1}"),
+        size if (100.0..100_000.0).contains(&size) => format!("{x:.0}"),
+        0.0 => "0".into(),
+        _ => format!("{x:.1e}"),
+    }
+}
