@@ -16,7 +16,7 @@ use std::env;
 use alabaster::radiometry::Rgb;
 use alabaster::scene::{Light, Material, Mesh, Method, ScatteringInput, Scene, Surface, shape};
 use alabaster::transport::{Counters, RenderOptions, Renderer};
-use common::cpu_time::thread_seconds;
+use common::cpu_time::{process_seconds, thread_seconds};
 use common::scenes::{Caster, Statistics, caster, furnace, options, white};
 use glam::Vec3;
 
@@ -25,6 +25,11 @@ fn main() {
     println!("body, mfp thick, 1 - albedo, g, index: µs a path plain, on spheres; variance ratio; gain");
     let ball = || shape::sphere(Vec3::ZERO, 1.0, 6);
     let slab = || shape::cuboid(Vec3::ZERO, Vec3::new(2.0, 0.5, 2.0));
+    if let Ok(row) = env::var("ROW") {
+        let n: Vec<f32> = row.split(' ').map(|x| x.parse().unwrap()).collect();
+        compare("sphere", ball(), [n[0], n[1], n[2], n[3]], 0.5 * n[0], seconds);
+        return;
+    }
     for ior in [1.0, 1.5] {
         for (thickness, absorbed, g) in [
             (4.0, 1e-2, 0.0),
@@ -83,11 +88,15 @@ struct Measured {
     error: f64,
     /// Of a path.
     variance: f64,
+    /// Of making ready, by all threads.
+    setup: f64,
 }
 
 fn measure(scene: Scene, spheres: bool, seconds: f64) -> Measured {
     let options = RenderOptions { method: Method::Walk, spheres, ..options() };
+    let start = process_seconds();
     let renderer: Renderer<Caster> = Renderer::new(scene, options, caster).unwrap();
+    let setup = process_seconds() - start;
     let mut counters = Counters::default();
     let mut found = Statistics::default();
     let start = thread_seconds();
@@ -99,10 +108,19 @@ fn measure(scene: Scene, spheres: bool, seconds: f64) -> Measured {
         count += 1;
     }
     let taken = thread_seconds() - start;
+    if env::var("ROW").is_ok() {
+        println!(
+            "{count} paths: {} collisions {} steps {} rays, set-up {setup:.3}",
+            counters.collisions as f64 / f64::from(count),
+            counters.sphere_steps as f64 / f64::from(count),
+            counters.rays as f64 / f64::from(count)
+        );
+    }
     Measured {
         microseconds: taken / f64::from(count) * 1e6,
         mean: found.mean(),
         error: found.standard_error(),
         variance: found.standard_error().powi(2) * f64::from(count),
+        setup,
     }
 }

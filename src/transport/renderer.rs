@@ -235,7 +235,13 @@ fn clearances<C: RayCaster>(
         let near = world.surroundings(instance).filter(|_| wanted)?;
         let Substance::Material(material) = world.substance(instance) else { return None };
         let medium = scatterers[material].as_ref()?.medium(1.0, albedo_factor);
-        let triangles = near.iter().flat_map(|&other| world.triangles(other));
+        let turned = |[a, b, c]: [Vec3; 3]| [a, c, b];
+        let faces = |other: u32| {
+            world
+                .triangles(other)
+                .map(move |triangle| if other == instance { turned(triangle) } else { triangle })
+        };
+        let triangles = near.iter().flat_map(|&other| faces(other));
         Clearance::new(world.bounds(instance).into(), &medium, bodies, triangles)
     };
     instances.map(clearance).collect()

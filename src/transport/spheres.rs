@@ -16,6 +16,8 @@ use crate::radiometry::Rgb;
 
 /// The optical radius from which a step costs less than the collisions that it is taken for: three or four.
 const PAYS_FROM: f32 = 2.0;
+static PAYS: std::sync::LazyLock<f32> =
+    std::sync::LazyLock::new(|| std::env::var("PAYS").ok().and_then(|x| x.parse().ok()).unwrap_or(PAYS_FROM));
 
 /// Steps in a medium that scatters isotropically.
 pub struct Spheres {
@@ -69,7 +71,7 @@ impl Spheres {
         } else {
             2
         };
-        (PAYS_FROM / self.sigma_t[lead]).max(LEAST_RADIUS / self.sigma_t.min_component())
+        (*PAYS / self.sigma_t[lead]).max(LEAST_RADIUS / self.sigma_t.min_component())
     }
 
     /// What leaves a sphere of `radius` (m) if `throughput` starts at its centre.

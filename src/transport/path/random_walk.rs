@@ -125,21 +125,18 @@ impl<C: RayCaster> Path<'_, C> {
         for collision in 0.. {
             self.counts_flight()?;
             let flight = extinction.draw(self.throughput, &mut self.random);
-            let hit = if flight.distance < clear {
-                None
-            } else {
-                self.counters.rays += 1;
-                // Farther by the rounding of its end, so that no collision comes to lie behind the surface.
-                let t_max = flight.distance + bounds.margin();
-                world.caster().closest(&Ray { origin: from.origin, direction: from.direction, t_max })
-            };
+            let end = from.origin + from.direction * flight.distance;
+            let around_end = self.clear_distance(space, end);
+            // Within the spheres around its ends a flight meets nothing.
+            let is_free = flight.distance < clear + around_end.max(0.0) && bounds.contains(end);
+            let hit = if is_free { None } else { self.meets(&from, flight.distance + bounds.margin()) };
             let position = match hit {
                 Some(hit) if hit.t <= flight.distance => {
                     self.throughput *= extinction.passage(&flight, hit.t);
                     return Some(Walked::Met { from, hit });
                 }
                 Some(hit) => leave(&world.surface(&hit), -from.direction),
-                None => from.origin + from.direction * flight.distance,
+                None => end,
             };
             if hit.is_none() && !bounds.contains(position) {
                 let distance = bounds.exit(from.origin, from.direction);
@@ -151,7 +148,7 @@ impl<C: RayCaster> Path<'_, C> {
             if !self.plays(collision < ROULETTE_START, |path| path.random.next_f32()) {
                 return None;
             }
-            clear = self.clear_distance(space, position);
+            clear = around_end;
             from = match self.cross_sphere(space, position, clear, draws_light) {
                 Some(beyond) => {
                     clear = self.clear_distance(space, beyond.origin);
@@ -161,6 +158,14 @@ impl<C: RayCaster> Path<'_, C> {
             };
         }
         None
+    }
+
+    /// What a flight meets before it has gone as far as `reach`: farther than it goes by the rounding of its end, so that no collision comes to
+    /// lie behind a surface.
+    fn meets(&mut self, from: &Next, reach: f32) -> Option<Hit> {
+        self.counters.rays += 1;
+        let ray = Ray { origin: from.origin, direction: from.direction, t_max: reach };
+        self.renderer.world.caster().closest(&ray)
     }
 
     /// Counts a flight; `None`, counted, if the path has had too many.
