@@ -43,6 +43,7 @@ fn renderer(name: &str) -> Renderer<EmbreeCaster> {
         profile: ProfileChoice::Auto,
         max_depth: 0,
         spheres: true,
+        similarity: false,
     };
     Renderer::new(scene, options, |geometry| EmbreeCaster::new(geometry, 1)).unwrap()
 }

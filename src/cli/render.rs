@@ -54,6 +54,9 @@ pub struct RenderArgs {
     /// Diffusion profile [default: the scene's]
     #[arg(long, value_name = "NAME", value_parser = named(ProfileChoice::NAMES))]
     profile: Option<ProfileChoice>,
+    /// Let walks take isotropic scattering for anisotropic far from surfaces: faster, an approximation [default: the scene's]
+    #[arg(long)]
+    similarity: bool,
     /// What casts the rays
     #[arg(long, value_parser = named(Backend::NAMES), default_value = Backend::default().name())]
     backend: Backend,
@@ -113,6 +116,7 @@ fn scene_with_overrides(args: &RenderArgs) -> Result<Scene, CliError> {
     scene.film.height = args.height.unwrap_or(scene.film.height);
     scene.subsurface.method = args.method.unwrap_or(scene.subsurface.method);
     scene.subsurface.profile = args.profile.unwrap_or(scene.subsurface.profile);
+    scene.subsurface.similarity |= args.similarity;
     Ok(scene)
 }
 
@@ -123,6 +127,7 @@ fn options(args: &RenderArgs, scene: &Scene) -> RenderOptions {
         profile: scene.subsurface.profile,
         max_depth: scene.render.max_depth,
         spheres: true,
+        similarity: scene.subsurface.similarity,
     }
 }
 

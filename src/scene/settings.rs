@@ -72,6 +72,9 @@ pub struct SubsurfaceSettings {
     pub method: Method,
     /// Diffusion profile, where the method uses one.
     pub profile: ProfileChoice,
+    /// Whether walks take the isotropic medium of reduced coefficients for an anisotropic one far from surfaces: faster, and an
+    /// approximation.
+    pub similarity: bool,
 }
 
 /// How much work is done.

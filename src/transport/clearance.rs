@@ -18,17 +18,15 @@ use crate::math::distance_transform::squared_distances;
 use crate::medium::Medium;
 use crate::scene::{Scene, Surface};
 
-/// Cells along the longest side of a bounding box, at most: distances must fit into [`Clearance::distances`].
-const MOST_CELLS: f32 = 160.0;
-fn tune(name: &str, default: f32) -> f32 {
-    std::env::var(name).ok().and_then(|x| x.parse().ok()).unwrap_or(default)
-}
+/// Cells along the longest side of a bounding box, at most. With more, bounds are closer, and fewer of them found in caches
+/// (`benches/sphere_walk.rs`: nothing is won beyond this).
+const MOST_CELLS: f32 = 96.0;
 
-/// Cells of all grids together, two bytes each.
-const BUDGET: f32 = (1 << 24) as f32;
+/// Cells of all grids together, four bytes each; planes come to less than that.
+const BUDGET: f32 = (1 << 23) as f32;
 
 /// The least edge of a cell in mean free paths: what is nearer than that is soon met.
-const LEAST_EDGE: f32 = 0.25;
+const LEAST_EDGE: f32 = 0.5;
 
 /// How many mean free paths the shortest side of a body's bounding box must have. In thinner bodies most flights end at the
 /// surface, and nothing is won (`benches/sphere_walk.rs`: at 10 nothing yet, at 20 a tenth and more).
@@ -119,8 +117,8 @@ impl Clearance {
 impl Grid {
     fn new(low: Vec3, high: Vec3, free_path: f32, bodies: usize) -> Option<Self> {
         let size = high - low;
-        let most = (BUDGET / bodies as f32).cbrt().floor().clamp(1.0, tune("CELLS", MOST_CELLS));
-        let edge = (size.max_element() / most).max(tune("EDGE", LEAST_EDGE) * free_path);
+        let most = (BUDGET / bodies as f32).cbrt().floor().clamp(1.0, MOST_CELLS);
+        let edge = (size.max_element() / most).max(LEAST_EDGE * free_path);
         if !(size.cmpgt(Vec3::ZERO).all() && edge > 0.0 && edge.is_finite()) {
             return None;
         }

@@ -34,6 +34,9 @@ pub struct RenderOptions {
     /// Whether walks use what is known of free space in bodies: they cast no rays where nothing is to be met, and cross spheres in one step.
     /// The picture is the same but for noise, which without is more for the time.
     pub spheres: bool,
+    /// Whether `spheres` are used in anisotropic media too, far from surfaces: those of the isotropic medium of reduced coefficients, similar to order 1,
+    /// which is an approximation.
+    pub similarity: bool,
 }
 
 /// Why a scene cannot be rendered.
@@ -103,7 +106,7 @@ impl<C: RayCaster> Renderer<C> {
         let has_passages = options.method == Method::Walk && has_passages(&world);
         let lit_inside = (0..world.substances().len() as u32).map(|i| is_lit_inside(&world, i)).collect();
         let clearances = clearances(&world, &scatterers, options.spheres);
-        prepare_spheres(&world, &clearances, &mut scatterers);
+        prepare_spheres(&world, &clearances, options.similarity, &mut scatterers);
         Ok(Self {
             world,
             lights,
@@ -209,6 +212,7 @@ impl<C: RayCaster> Renderer<C> {
 fn prepare_spheres<C: RayCaster>(
     world: &World<C>,
     clearances: &[Option<Clearance>],
+    similarity: bool,
     scatterers: &mut [Option<Scatterer>],
 ) {
     for (material, scatterer) in scatterers.iter_mut().enumerate() {
@@ -218,7 +222,7 @@ fn prepare_spheres<C: RayCaster>(
         if let Some(scatterer) = scatterer
             && world.substances().iter().zip(clearances).any(of_material)
         {
-            scatterer.prepare_spheres();
+            scatterer.prepare_spheres(similarity);
         }
     }
 }

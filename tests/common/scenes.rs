@@ -111,6 +111,7 @@ pub fn options() -> RenderOptions {
         profile: ProfileChoice::Auto,
         max_depth: 0,
         spheres: true,
+        similarity: false,
     }
 }
 

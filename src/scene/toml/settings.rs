@@ -70,12 +70,13 @@ pub fn environment(table: &Table, warnings: &mut Vec<String>) -> Read<Environmen
     Ok(Environment::Constant(table.required("radiance", Value::rgb)?))
 }
 
-/// Keys: `method`, `profile`.
+/// Keys: `method`, `profile`, `similarity` (false).
 pub fn subsurface(table: &Table) -> Read<SubsurfaceSettings> {
-    table.only(&["method", "profile"])?;
+    table.only(&["method", "profile", "similarity"])?;
     Ok(SubsurfaceSettings {
         method: table.optional("method", |v| v.choice(&Method::NAMES))?.unwrap_or_default(),
         profile: table.optional("profile", |v| v.choice(&ProfileChoice::NAMES))?.unwrap_or_default(),
+        similarity: table.optional("similarity", Value::boolean)?.unwrap_or_default(),
     })
 }
 

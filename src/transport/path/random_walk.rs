@@ -19,6 +19,9 @@
 //! isotropic and the surface many free paths away, one step on a sphere takes the place of many flights
 //! ([`super::sphere_walk`]).
 //!
+//! **Similarity**, if wanted, the only approximation here: once |g|ⁿ has fallen below a hundredth, flights that begin far from any surface
+//! are in the isotropic medium of reduced coefficients ([`crate::transport::spheres::Similarity`]), in which there are steps on spheres.
+//!
 //! **Direct light** is drawn at collisions where it can arrive: through a boundary that bends nothing, or from a
 //! light inside the body. Through a rough boundary it is drawn at the boundary. Through a smooth one that refracts a
 //! straight ray never arrives, and a walk finds a light only by leaving towards it. Light that has far to come through the
@@ -117,13 +120,18 @@ impl<C: RayCaster> Path<'_, C> {
     /// Walks from `from` in `body` until a flight meets a surface; `None` if the path ends before.
     pub(super) fn walk(&mut self, mut from: Next, body: &Interior) -> Option<Walked> {
         let world = &self.renderer.world;
-        let extinction = Extinction::of(&body.medium);
         let bounds = self.bounds(body);
         let draws_light = self.draws_light_in(body);
         let space = self.free_space(body);
         let mut clear = self.clear_distance(space, from.origin);
+        let own = (body.medium, Extinction::of(&body.medium));
+        let similarity = space.similarity().map(|s| (s, (s.medium, Extinction::of(&s.medium))));
         for collision in 0.. {
             self.counts_flight()?;
+            let (medium, extinction) = match &similarity {
+                Some((at, similar)) if collision >= at.least_collisions && clear >= at.least_depth => similar,
+                _ => &own,
+            };
             let flight = extinction.draw(self.throughput, &mut self.random);
             let end = from.origin + from.direction * flight.distance;
             let around_end = self.clear_distance(space, end);
@@ -144,17 +152,21 @@ impl<C: RayCaster> Path<'_, C> {
                 return Some(Walked::Escaped(self.escape(&from, body, distance)));
             }
             self.counters.collisions += 1;
-            self.throughput *= extinction.collision(&flight, body.medium.sigma_s);
+            self.throughput *= extinction.collision(&flight, medium.sigma_s);
             if !self.plays(collision < ROULETTE_START, |path| path.random.next_f32()) {
                 return None;
             }
             clear = around_end;
-            from = match self.cross_sphere(space, position, clear, draws_light) {
+            let beyond = match medium.g {
+                0.0 => self.cross_sphere(space, position, clear, draws_light),
+                _ => None,
+            };
+            from = match beyond {
                 Some(beyond) => {
                     clear = self.clear_distance(space, beyond.origin);
                     beyond
                 }
-                None => self.scatter(&body.medium, position, from.direction, draws_light.then_some(clear)),
+                None => self.scatter(medium, position, from.direction, draws_light.then_some(clear)),
             };
         }
         None
@@ -188,7 +200,7 @@ impl<C: RayCaster> Path<'_, C> {
     }
 
     /// True if light drawn at a collision in `body` may arrive there.
-    fn draws_light_in(&self, body: &Interior) -> bool {
+    pub(super) fn draws_light_in(&self, body: &Interior) -> bool {
         body.ior == self.interiors.ior_around(body.instance) || self.renderer.is_lit_inside(body.instance)
     }
 
