@@ -20,7 +20,7 @@ use crate::scene::{Scene, Surface};
 
 /// Cells along the longest side of a bounding box, at most. With more, bounds are closer, and fewer of them found in caches
 /// (`benches/sphere_walk.rs`: nothing is won beyond this).
-const MOST_CELLS: f32 = 96.0;
+const MOST_CELLS: f32 = 128.0;
 
 /// Cells of all grids together, four bytes each; planes come to less than that.
 const BUDGET: f32 = (1 << 23) as f32;

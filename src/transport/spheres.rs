@@ -22,9 +22,6 @@ const FORGOTTEN: f32 = 0.01;
 
 /// How far from any surface the similar medium takes the place of a body's own, in its mean free paths.
 const LEAST_DEPTH: f32 = 2.0;
-static DEPTH: std::sync::LazyLock<f32> = std::sync::LazyLock::new(|| {
-    std::env::var("DEPTH").ok().and_then(|x| x.parse().ok()).unwrap_or(LEAST_DEPTH)
-});
 
 /// Steps in a medium that scatters isotropically.
 pub struct Spheres {
@@ -92,7 +89,7 @@ impl Spheres {
 
     /// The medium that is similar, where a walk may be taken to be in it; None if the body's own is that of the steps.
     pub fn similarity(&self) -> Option<Similarity> {
-        let least_depth = *DEPTH / self.sigma_t.min_component();
+        let least_depth = LEAST_DEPTH / self.sigma_t.min_component();
         let least_collisions = (FORGOTTEN.ln() / self.body.g.abs().ln()).ceil() as u32;
         self.are_similar().then_some(Similarity { medium: self.medium, least_collisions, least_depth })
     }
