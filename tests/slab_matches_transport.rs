@@ -119,12 +119,12 @@ fn reflected(found: &Scattered) -> Estimate {
 
 /// The third of both tables that takes a hundred million flights at most for each source.
 #[test]
-#[ignore = "half an hour on two cores"]
+#[ignore = "ten minutes on two cores"]
 fn a_third_of_planar_reflectance_and_transmittance() {
     let mut family = Family::new(ABSOLUTE);
     let left_out = compare_planar(&mut family, 1.0, 1e8);
     println!("{left_out} comparisons take longer");
-    assert!(family.len() >= 380, "{}", family.len());
+    assert!(family.len() >= 360, "{}", family.len());
     family.check();
 }
 

@@ -63,9 +63,12 @@ fn internal_reflectance(eta: f64) -> f64 {
     2.0 * fresnel_moment(1.0 / eta, 1)
 }
 
-/// The coordinate in which profiles are interpolated over η: diffuse reflectance from inside, negative below 1.
+/// The coordinate in which profiles are interpolated over η. From 1 up it is the root of the diffuse reflectance from inside,
+/// like the cosine of the critical angle ∝ √(η − 1) near 1, on which what grazing light does depends. Below 1, where nothing is
+/// totally reflected, it is minus the reflectance.
 fn eta_coordinate(eta: f64) -> f64 {
-    internal_reflectance(eta).copysign(eta - 1.0)
+    let reflectance = internal_reflectance(eta);
+    if eta < 1.0 { -reflectance } else { reflectance.sqrt() }
 }
 
 /// Logits of all shapes, [entry][g][η][row][knot] in little-endian f32.
