@@ -204,7 +204,7 @@ fn similarity_changes_means_by_less_than_half_a_percent() {
         let scene = lit(shape::sphere(Vec3::ZERO, 1.0, 5), material);
         let options = RenderOptions { method: Method::Walk, similarity: true, ..options() };
         let similar = Renderer::new(scene.clone(), options, caster).unwrap();
-        let [exact, similar] = [walker(scene), similar].map(|walk| trace(&walk, 200_000, from_above(0.7)));
+        let [exact, similar] = [walker(scene), similar].map(|walk| trace(&walk, 500_000, from_above(0.7)));
         let (mean, sigma) =
             (exact.mean.mean(), exact.mean.standard_error().hypot(similar.mean.standard_error()));
         println!("g {g}: {mean:.5}, similar {:.5}, σ {sigma:.5}", similar.mean.mean());
