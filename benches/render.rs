@@ -45,6 +45,7 @@ fn renderer(name: &str) -> Renderer<EmbreeCaster> {
         max_depth: 0,
         spheres: true,
         guiding: true,
+        similarity: false,
     };
     Renderer::new(scene, options, |geometry| EmbreeCaster::new(geometry, 1)).unwrap()
 }

@@ -55,7 +55,7 @@ fn every_section_is_read() {
          material = 'm'\ntransform = { scale = 2.0, rotate = [0, 30, 0], translate = [1, 0, 0] }\n\
          [camera]\nposition = [1, 2, 3]\ntarget = [0, 1, 0]\nup = [0, 0, 2]\nfov = 60\naperture = 0.1\nfocus = 2.5\n\
          [film]\nwidth = 640\nheight = 480\nfilter = 'gaussian'\n[environment]\nradiance = [1, 2, 3]\n\
-         [subsurface]\nmethod = 'walk'\nprofile = 'photon-beam'\n[render]\nspp = 7\nmax_depth = 9\nmode = 'rgb'\n\
+         [subsurface]\nmethod = 'walk'\nprofile = 'photon-beam'\nsimilarity = true\n[render]\nspp = 7\nmax_depth = 9\nmode = 'rgb'\n\
          [material.m]\ntype = 'diffuse'\ncolor = [0.1, 0.2, 0.3]\nemission = 2\ndouble_sided = true\n",
     )
     .expect("a valid scene");
@@ -68,8 +68,8 @@ fn every_section_is_read() {
     assert_eq!((scene.film.width, scene.film.height, scene.film.filter), (640, 480, Filter::Gaussian));
     assert_eq!(scene.environment, Some(Environment::Constant(Rgb::new(1.0, 2.0, 3.0))));
     assert_eq!(
-        (scene.subsurface.method, scene.subsurface.profile),
-        (Method::Walk, ProfileChoice::PhotonBeam)
+        (scene.subsurface.method, scene.subsurface.profile, scene.subsurface.similarity),
+        (Method::Walk, ProfileChoice::PhotonBeam, true)
     );
     assert_eq!((scene.render.spp, scene.render.max_depth), (7, 9));
     assert_eq!(scene.render.color_mode, ColorMode::Rgb);
@@ -86,7 +86,8 @@ fn names_of_settings_are_all_known() {
         assert_eq!(with(&format!("[film]\nfilter = '{name}'")).film.filter, filter);
     }
     for (name, method) in Method::NAMES {
-        assert_eq!(with(&format!("[subsurface]\nmethod = '{name}'")).subsurface.method, method);
+        let read = with(&format!("[subsurface]\nmethod = '{name}'")).subsurface;
+        assert_eq!((read.method, read.similarity), (method, false));
     }
     for (name, profile) in ProfileChoice::NAMES {
         assert_eq!(with(&format!("[subsurface]\nprofile = '{name}'")).subsurface.profile, profile);

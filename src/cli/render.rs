@@ -51,6 +51,9 @@ pub struct RenderArgs {
     error: Option<f64>,
     #[command(flatten)]
     subsurface: SubsurfaceArgs,
+    /// Let walks take isotropic scattering for anisotropic far from surfaces: faster, an approximation [default: the scene's]
+    #[arg(long)]
+    similarity: bool,
     /// What casts the rays
     #[arg(long, value_parser = named(Backend::NAMES), default_value = Backend::default().name())]
     backend: Backend,
@@ -109,6 +112,7 @@ fn scene_with_overrides(args: &RenderArgs) -> Result<Scene, CliError> {
     scene.film.width = args.width.unwrap_or(scene.film.width);
     scene.film.height = args.height.unwrap_or(scene.film.height);
     args.subsurface.override_in(&mut scene.subsurface);
+    scene.subsurface.similarity |= args.similarity;
     Ok(scene)
 }
 
@@ -121,6 +125,7 @@ fn options(args: &RenderArgs, scene: &Scene) -> RenderOptions {
         max_depth: scene.render.max_depth,
         spheres: true,
         guiding: true,
+        similarity: scene.subsurface.similarity,
     }
 }
 

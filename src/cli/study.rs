@@ -36,7 +36,7 @@ pub struct StudyArgs {
     /// Independent runs of each method
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u16).range(2..=256))]
     seeds: u16,
-    /// Methods to compare, separated by commas: diffuse, walk, bssrdf (with every profile) or names of profiles [default: all]
+    /// Methods to compare, separated by commas: diffuse, walk, walk-similarity, bssrdf (with every profile) or names of profiles [default: all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     methods: Vec<String>,
     /// What stands for the truth: walk, or the name of a profile

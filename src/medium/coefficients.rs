@@ -43,6 +43,11 @@ impl Medium {
         self.sigma_a + self.sigma_s_reduced()
     }
 
+    /// The medium of reduced coefficients: isotropic scattering that spreads light alike over many collisions.
+    pub fn similar(&self) -> Self {
+        Self { sigma_a: self.sigma_a, sigma_s: self.sigma_s_reduced(), g: 0.0 }
+    }
+
     /// The share absorbed at a collision of the reduced medium, σ_a/σ_t' = 1 − α'; 0 in vacuum.
     pub fn absorbed_share_reduced(&self) -> Rgb {
         self.sigma_a.zip(self.sigma_t_reduced(), |a, t| if t > 0.0 { a / t } else { 0.0 })

@@ -74,11 +74,19 @@ pub struct SubsurfaceSettings {
     pub profile: ProfileChoice,
     /// The largest relative error that an approximation may be expected to have where the program chooses the method.
     pub accuracy: f32,
+    /// Whether walks take the isotropic medium of reduced coefficients for an anisotropic one far from surfaces: faster, and an
+    /// approximation.
+    pub similarity: bool,
 }
 
 impl Default for SubsurfaceSettings {
     fn default() -> Self {
-        Self { method: Method::default(), profile: ProfileChoice::default(), accuracy: 0.02 }
+        Self {
+            method: Method::default(),
+            profile: ProfileChoice::default(),
+            accuracy: 0.02,
+            similarity: false,
+        }
     }
 }
 

@@ -7,29 +7,40 @@
 //! All surfaces count that meet the bounding box of the body, not its own alone: in a sphere that touches none of them
 //! there is one medium, whatever bodies are nested or overlap.
 
+mod planes;
+
 use glam::{UVec3, Vec3};
 
+use self::planes::{Part, Plane, planes};
 use super::substance::Substance;
 use crate::math::distance_transform::squared_distances;
 use crate::medium::Medium;
 use crate::plan::solid::Flaw;
 use crate::scene::{Method, Scene, Surface};
 
-/// Cells along the longest side of a bounding box, at most: distances must fit into [`Clearance::distances`].
-const MOST_CELLS: f32 = 160.0;
+/// Cells along the longest side of a bounding box, at most. With more, bounds are closer, and fewer of them found in caches
+/// (`benches/sphere_walk.rs`: nothing is won beyond this).
+const MOST_CELLS: f32 = 128.0;
 
-/// Cells of all grids together, two bytes each.
-const BUDGET: f32 = (1 << 24) as f32;
+/// Cells of all grids together, four bytes each; planes come to less than that.
+const BUDGET: f32 = (1 << 23) as f32;
 
 /// The least edge of a cell in mean free paths: what is nearer than that is soon met.
-const LEAST_EDGE: f32 = 0.25;
+const LEAST_EDGE: f32 = 0.5;
 
 /// How many mean free paths the shortest side of a body's bounding box must have. In thinner bodies most flights end at the
 /// surface, and nothing is won (`benches/sphere_walk.rs`: at 10 nothing yet, at 20 a tenth and more).
 const LEAST_THICKNESS: f32 = 12.0;
 
+/// How many mean free paths deep light must get. Where it gets less deep, filling the grid takes longer than it saves on a small picture
+/// (`benches/sphere_walk.rs`: at 1.8, 8 to 12 % less the grid; at 5.8 a net gain).
+const LEAST_DEPTH: f32 = 3.0;
+
 /// Steps of a distance in an edge of a cell.
 const RESOLUTION: f32 = 128.0;
+
+/// Values of cells from which on they are indices of planes.
+const PLANES: u32 = 1 << 16;
 
 /// How often a triangle is halved at most, so that no coordinate can hold the program.
 const MOST_HALVINGS: u32 = 64;
@@ -40,8 +51,11 @@ const ROUNDINGS: f32 = 16.0;
 /// Lower bounds of the distance to the nearest surface, from points in a bounding box.
 pub struct Clearance {
     grid: Grid,
-    /// Distances from the centres of the cells to a marked one, rounded down, in edges over [`RESOLUTION`].
-    distances: Box<[u16]>,
+    /// Distances from the centres of the cells to a marked one, rounded down, in edges over [`RESOLUTION`]; from [`PLANES`] on
+    /// instead the index of a plane.
+    cells: Box<[u32]>,
+    /// Of cells close to a surface.
+    planes: Box<[Plane]>,
 }
 
 /// Cubic cells in a box.
@@ -56,8 +70,8 @@ struct Grid {
 }
 
 impl Clearance {
-    /// Of the points in the box from `low` to `high` (m) around one of `bodies` that have such a grid, from `triangles`. The body is filled with
-    /// `medium`. None if no number of cells would do, or light gets no deeper than a cell.
+    /// Of the points in the box from `low` to `high` (m) around one of `bodies` that have such a grid, from `triangles`, which had best be wound so that
+    /// their normals point to where it will be asked. The body is filled with `medium`. None if no number of cells would do, or light gets no deeper than a cell or a few free paths.
     pub fn new(
         [low, high]: [Vec3; 2],
         medium: &Medium,
@@ -65,25 +79,43 @@ impl Clearance {
         triangles: impl Iterator<Item = [Vec3; 3]>,
     ) -> Option<Self> {
         let grid = Grid::new(low, high, 1.0 / medium.sigma_t().min_component(), bodies)?;
-        if grid.edge > depth(medium) {
+        let depth = depth(medium);
+        if grid.edge > depth || depth * medium.sigma_t().max_component() < LEAST_DEPTH {
             return None;
         }
-        let mut marked = vec![false; grid.counts.to_array().map(|count| count as usize).iter().product()];
-        triangles.for_each(|triangle| grid.mark(triangle, grid.slack(triangle), &mut marked, 0));
-        let squares = squared_distances(&marked, grid.counts.to_array().map(|count| count as usize));
+        let counts = grid.counts.to_array().map(|count| count as usize);
+        let mut marked = vec![false; counts.iter().product()];
+        let (mut parts, mut slack) = (Vec::new(), grid.margin);
+        for triangle in triangles {
+            let rounding = grid.slack(triangle);
+            slack = slack.max(rounding);
+            grid.halve(triangle, rounding, 0.5, 0, &mut |part| grid.mark(part, rounding, &mut marked));
+            grid.halve(triangle, rounding, planes::LONGEST, 0, &mut |part| parts.push(Part::new(part)));
+        }
+        let squares = squared_distances(&marked, counts);
         // Rounded down, that of the root included.
-        let distance = |square: f32| (square.sqrt() * (RESOLUTION * (1.0 - 2.0 * f32::EPSILON))) as u16;
-        Some(Self { grid, distances: squares.into_iter().map(distance).collect() })
+        let distance = |square: f32| {
+            (square.sqrt() * (RESOLUTION * (1.0 - 2.0 * f32::EPSILON))).min(PLANES as f32 - 1.0) as u32
+        };
+        let mut cells: Box<[u32]> = squares.iter().map(|square| distance(*square)).collect();
+        let near = planes(&grid, &squares, &parts, 2.0 * slack);
+        for ((cell, _), index) in near.iter().zip(PLANES..) {
+            cells[*cell as usize] = index;
+        }
+        Some(Self { grid, cells, planes: near.into_iter().map(|(_, plane)| plane).collect() })
     }
 
     /// A distance, m, within which there is no surface around `point`, which is in the box; 0 or less where none is
     /// known. It leaves room for the rounding of a point at that distance.
     pub fn around(&self, point: Vec3) -> f32 {
-        let Grid { low, edge, margin, .. } = self.grid;
         let cell = self.grid.cell(point);
-        let center = low + (cell.as_vec3() + 0.5) * edge;
-        let distance = f32::from(self.distances[self.grid.index(cell)]) * (edge / RESOLUTION);
-        distance - point.distance(center) - margin
+        let offset = point - self.grid.center(cell);
+        let value = self.cells[self.grid.index(cell)];
+        let distance = match value.checked_sub(PLANES) {
+            None => value as f32 * (self.grid.edge / RESOLUTION) - offset.length(),
+            Some(index) => self.planes[index as usize].around(offset, self.grid.edge),
+        };
+        distance - self.grid.margin
     }
 }
 
@@ -113,6 +145,10 @@ impl Grid {
         ((point - self.low) * self.cells_per_length).as_uvec3().min(self.counts - 1)
     }
 
+    fn center(&self, cell: UVec3) -> Vec3 {
+        self.low + (cell.as_vec3() + 0.5) * self.edge
+    }
+
     fn index(&self, cell: UVec3) -> usize {
         ((cell.z * self.counts.y + cell.y) * self.counts.x + cell.x) as usize
     }
@@ -123,9 +159,16 @@ impl Grid {
         self.margin.max(ROUNDINGS * f32::EPSILON * largest)
     }
 
-    /// Marks the cells that a triangle may pass through: those within `slack` of the boxes around parts of it that are no larger than half
-    /// a cell, or around the whole of it.
-    fn mark(&self, triangle: [Vec3; 3], slack: f32, marked: &mut [bool], halvings: u32) {
+    /// Calls `visit` with the parts of a triangle, those that are in the box within `slack`: halves of halves, until no edge is longer than
+    /// `longest` edges of a cell.
+    fn halve(
+        &self,
+        triangle: [Vec3; 3],
+        slack: f32,
+        longest: f32,
+        halvings: u32,
+        visit: &mut impl FnMut([Vec3; 3]),
+    ) {
         let [a, b, c] = triangle;
         let (low, high) = (a.min(b).min(c) - slack, a.max(b).max(c) + slack);
         let end = self.low + self.counts.as_vec3() * self.edge;
@@ -133,21 +176,26 @@ impl Grid {
             return;
         }
         let [ab, bc, ca] = [a.distance_squared(b), b.distance_squared(c), c.distance_squared(a)];
-        let longest = ab.max(bc).max(ca);
-        if longest > 0.25 * self.edge * self.edge && halvings < MOST_HALVINGS {
-            // Begins with the longest edge.
-            let [a, b, c] = if ab == longest {
-                [a, b, c]
-            } else if bc == longest {
-                [b, c, a]
-            } else {
-                [c, a, b]
-            };
-            let middle = a.midpoint(b);
-            self.mark([a, middle, c], slack, marked, halvings + 1);
-            self.mark([middle, b, c], slack, marked, halvings + 1);
-            return;
+        let square = ab.max(bc).max(ca);
+        if square <= (longest * self.edge).powi(2) || halvings >= MOST_HALVINGS {
+            return visit(triangle);
         }
+        // Begins with the longest edge.
+        let [a, b, c] = if ab == square {
+            [a, b, c]
+        } else if bc == square {
+            [b, c, a]
+        } else {
+            [c, a, b]
+        };
+        let middle = a.midpoint(b);
+        self.halve([a, middle, c], slack, longest, halvings + 1, visit);
+        self.halve([middle, b, c], slack, longest, halvings + 1, visit);
+    }
+
+    /// Marks the cells within `slack` of the box around a part of a triangle.
+    fn mark(&self, [a, b, c]: [Vec3; 3], slack: f32, marked: &mut [bool]) {
+        let (low, high) = (a.min(b).min(c) - slack, a.max(b).max(c) + slack);
         let (first, last) = (self.cell(low), self.cell(high));
         for z in first.z..=last.z {
             for y in first.y..=last.y {

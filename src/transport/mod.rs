@@ -10,6 +10,7 @@ pub mod interiors;
 pub mod light_choice;
 pub mod light_sampling;
 mod path;
+mod placement;
 pub mod renderer;
 pub mod scatterer;
 mod shading;

@@ -40,6 +40,9 @@ pub struct RenderOptions {
     /// Whether walks in bodies that absorb are guided towards where light leaves. The picture is the same but for noise, which
     /// without is more for the time.
     pub guiding: bool,
+    /// Whether `spheres` are used in anisotropic media too, far from surfaces: those of the isotropic medium of reduced coefficients, similar to order 1,
+    /// which is an approximation.
+    pub similarity: bool,
 }
 
 impl From<&RenderOptions> for Request {
@@ -119,7 +122,7 @@ impl<C: RayCaster> Renderer<C> {
         let has_passages = has_walks && has_passages(&world);
         let lit_inside = (0..world.substances().len() as u32).map(|i| is_lit_inside(&world, i)).collect();
         let clearances = clearances(&world, &scatterers, options.spheres);
-        prepare_spheres(&world, &clearances, &mut scatterers);
+        prepare_spheres(&world, &clearances, options.similarity, &mut scatterers);
         Ok(Self {
             world,
             lights,
@@ -240,6 +243,7 @@ fn uses_profile<C: RayCaster>(world: &World<C>, material: usize) -> bool {
 fn prepare_spheres<C: RayCaster>(
     world: &World<C>,
     clearances: &[Option<Clearance>],
+    similarity: bool,
     scatterers: &mut [Option<Scatterer>],
 ) {
     for (material, scatterer) in scatterers.iter_mut().enumerate() {
@@ -249,7 +253,7 @@ fn prepare_spheres<C: RayCaster>(
         if let Some(scatterer) = scatterer
             && world.substances().iter().zip(clearances).any(of_material)
         {
-            scatterer.prepare_spheres();
+            scatterer.prepare_spheres(similarity);
         }
     }
 }
@@ -266,7 +270,13 @@ fn clearances<C: RayCaster>(
         let near = world.surroundings(instance).filter(|_| wanted)?;
         let Substance::Material(material) = world.substance(instance) else { return None };
         let medium = scatterers[material].as_ref()?.medium(1.0, albedo_factor);
-        let triangles = near.iter().flat_map(|&other| world.triangles(other));
+        let turned = |[a, b, c]: [Vec3; 3]| [a, c, b];
+        let faces = |other: u32| {
+            world
+                .triangles(other)
+                .map(move |triangle| if other == instance { turned(triangle) } else { triangle })
+        };
+        let triangles = near.iter().flat_map(|&other| faces(other));
         Clearance::new(world.bounds(instance).into(), &medium, bodies, triangles)
     };
     instances.map(clearance).collect()

@@ -184,10 +184,11 @@ impl Scatterer {
     }
 
     /// Prepares the steps of walks on spheres, where nothing is textured: some 100 µs and 150 kB for each surrounding.
-    pub fn prepare_spheres(&mut self) {
+    /// With `similarity`, also those of anisotropic media.
+    pub fn prepare_spheres(&mut self, similarity: bool) {
         for i in 0..self.immersed.len() {
             let medium = self.immersed[i].constant.map(|local| self.medium_of(&local));
-            self.immersed[i].spheres = medium.and_then(Spheres::new);
+            self.immersed[i].spheres = medium.and_then(|medium| Spheres::new(medium, similarity));
         }
     }
 

@@ -17,13 +17,36 @@ use crate::radiometry::Rgb;
 /// The optical radius from which a step costs less than the collisions that it is taken for: three or four.
 const PAYS_FROM: f32 = 2.0;
 
+/// What is left of the mean cosine of a direction with the one a walk began with when it is taken for forgotten.
+const FORGOTTEN: f32 = 0.01;
+
+/// How far from any surface the similar medium takes the place of a body's own, in its mean free paths.
+const LEAST_DEPTH: f32 = 2.0;
+
 /// Steps in a medium that scatters isotropically.
 pub struct Spheres {
+    /// What the body is filled with.
+    body: Medium,
+    /// What the steps are in: the same, or the isotropic medium that is similar.
     medium: Medium,
     sigma_t: Rgb,
     steps: [SphereStep; 3],
     /// All channels are the same.
     gray: bool,
+}
+
+/// An isotropic medium that stands for an anisotropic one, where it does so well.
+///
+/// A flight in it is as long in the mean as the way that light goes on in its direction after a collision in the medium it stands for,
+/// so that changing from one to the other and back displaces nothing in the mean.
+#[derive(Clone, Copy, Debug)]
+pub struct Similarity {
+    /// The medium.
+    pub medium: Medium,
+    /// Collisions after which the direction at the start of a walk is forgotten.
+    pub least_collisions: u32,
+    /// The least distance to any surface, m.
+    pub least_depth: f32,
 }
 
 /// What leaves a sphere, by channel.
@@ -37,12 +60,13 @@ pub struct Departures<'a> {
 }
 
 impl Spheres {
-    /// Prepares the steps; None if the medium does not scatter isotropically, or a channel absorbs so much that light does not
+    /// Prepares the steps in a body; None if its medium does not scatter isotropically, or a channel absorbs so much that light does not
     /// get far.
     ///
-    /// Anisotropic media have no such steps: the law of an exit depends on the direction before. Where it has
-    /// been forgotten, the isotropic medium that is similar would approximate it.
-    pub fn new(medium: Medium) -> Option<Self> {
+    /// Anisotropic media have no such steps: the law of an exit depends on the direction before. With `similarity` they have
+    /// those of the isotropic medium that is similar to order 1, an approximation.
+    pub fn new(body: Medium, similarity: bool) -> Option<Self> {
+        let medium = if similarity { body.similar() } else { body };
         let sigma_t = medium.sigma_t();
         if medium.g != 0.0 || !sigma_t.is_finite() || sigma_t.min_component() <= 0.0 {
             return None;
@@ -50,12 +74,24 @@ impl Spheres {
         let shares = medium.sigma_a.zip(sigma_t, |a, t| a / t);
         let steps = [SphereStep::new(shares[0])?, SphereStep::new(shares[1])?, SphereStep::new(shares[2])?];
         let is_same = |values: Rgb| values[0] == values[1] && values[0] == values[2];
-        Some(Self { medium, sigma_t, steps, gray: is_same(sigma_t) && is_same(shares) })
+        Some(Self { body, medium, sigma_t, steps, gray: is_same(sigma_t) && is_same(shares) })
     }
 
-    /// The medium.
-    pub fn medium(&self) -> &Medium {
-        &self.medium
+    /// What the body is filled with.
+    pub fn body(&self) -> &Medium {
+        &self.body
+    }
+
+    /// True if the medium of the steps is only similar to the body's.
+    pub fn are_similar(&self) -> bool {
+        self.body.g != 0.0
+    }
+
+    /// The medium that is similar, where a walk may be taken to be in it; None if the body's own is that of the steps.
+    pub fn similarity(&self) -> Option<Similarity> {
+        let least_depth = LEAST_DEPTH / self.sigma_t.min_component();
+        let least_collisions = (FORGOTTEN.ln() / self.body.g.abs().ln()).ceil() as u32;
+        self.are_similar().then_some(Similarity { medium: self.medium, least_collisions, least_depth })
     }
 
     /// The least radius, m, of a sphere that is worth while for light that is `throughput`: that of the channel that leads, if no
@@ -124,9 +160,12 @@ impl Departures<'_> {
 mod tests {
     use super::*;
 
+    fn medium(g: f32) -> Medium {
+        Medium { sigma_a: Rgb::new(0.01, 0.4, 10.0), sigma_s: Rgb::new(100.0, 40.0, 250.0), g }
+    }
+
     fn spheres(g: f32) -> Option<Spheres> {
-        let sigma_s = Rgb::new(100.0, 40.0, 250.0);
-        Spheres::new(Medium { sigma_a: Rgb::new(0.01, 0.4, 10.0), sigma_s, g })
+        Spheres::new(medium(g), false)
     }
 
     #[test]
@@ -134,8 +173,21 @@ mod tests {
         assert!(spheres(0.0).is_some());
         assert!(spheres(0.5).is_none());
         let dark = Medium { sigma_a: Rgb::new(0.0, 0.0, 2.0), sigma_s: Rgb::ONE, g: 0.0 };
-        assert!(Spheres::new(dark).is_none());
-        assert!(Spheres::new(Medium::clear(Rgb::ZERO)).is_none());
+        assert!(Spheres::new(dark, false).is_none());
+        assert!(Spheres::new(Medium::clear(Rgb::ZERO), true).is_none());
+    }
+
+    #[test]
+    fn anisotropic_media_have_those_of_a_similar_one_if_wanted() {
+        assert!(Spheres::new(medium(0.0), true).unwrap().similarity().is_none());
+        let spheres = Spheres::new(medium(-0.5), true).unwrap();
+        let similarity = spheres.similarity().unwrap();
+        assert_eq!(*spheres.body(), medium(-0.5));
+        assert_eq!(similarity.medium.sigma_s, Rgb::new(150.0, 60.0, 375.0));
+        assert_eq!((similarity.medium.sigma_a, similarity.medium.g), (medium(0.0).sigma_a, 0.0));
+        // 1/64 is not below a hundredth, 1/128 is.
+        assert_eq!(similarity.least_collisions, 7);
+        assert_eq!(similarity.least_depth, 2.0 / 60.4);
     }
 
     /// Σ_c L_c w_c is Σ_c L_c W_c for every exit, and each channel's own W in the mean.

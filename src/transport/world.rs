@@ -12,6 +12,7 @@ use crate::scene::{Instance, Method, Scene};
 
 use super::clearance::surroundings;
 use super::interiors::{Interior, Interiors};
+use super::placement::{Placement, mirrors};
 use super::substance::{Substance, flaws_of_walked, interior_of};
 
 /// A direction to look for the bodies around a point: any would do that is not along a face, and upwards most scenes are open.
@@ -36,14 +37,6 @@ pub struct SurfacePoint {
     pub color: Vec4,
     /// Instance that was hit.
     pub instance: u32,
-}
-
-/// What is to know of an instance's transform at every hit.
-#[derive(Clone, Copy, Debug)]
-struct Placement {
-    identity: bool,
-    /// The winding of its triangles makes their normals point inward.
-    mirrored: bool,
 }
 
 /// Scene and ray caster.
@@ -82,9 +75,10 @@ impl<C: RayCaster> World<C> {
         let flaws = flaws_of_walked(&scene, &methods);
         let placements = (0..)
             .zip(&scene.instances)
-            .map(|(index, instance)| Placement {
-                identity: instance.transform == Affine3A::IDENTITY,
-                mirrored: mirrors(&instance.transform) != flaws.contains(&(index, Flaw::InsideOut)),
+            .map(|(index, instance)| {
+                let inside_out = flaws.contains(&(index, Flaw::InsideOut));
+                let positions = &scene.meshes[instance.mesh].positions;
+                Placement::new(&instance.transform, positions, bounds[index as usize], inside_out)
             })
             .collect();
         let surroundings = surroundings(&scene, &substances, &methods, &bounds, &flaws);
@@ -215,11 +209,11 @@ impl<C: RayCaster> World<C> {
         self.has_partial_coverage
     }
 
-    /// World-space corners of all triangles of an instance.
+    /// World-space corners of all triangles of an instance, in the winding that makes their normals point outward.
     pub fn triangles(&self, instance: u32) -> impl Iterator<Item = [Vec3; 3]> {
         let mesh = self.scene.instances[instance as usize].mesh;
         let count = self.scene.meshes[mesh].triangles.len() as u32;
-        (0..count).map(move |primitive| self.corners(instance, primitive))
+        (0..count).map(move |primitive| self.triangle(instance, primitive))
     }
 
     /// World-space corners of a triangle, in the winding that makes its normal point outward.
@@ -253,12 +247,11 @@ impl<C: RayCaster> World<C> {
         let w = 1.0 - u - v;
         let transform = &instance.transform;
         let [a, b, c] = self.corners(hit.instance, hit.primitive);
-        let mirrored = self.placements[hit.instance as usize].mirrored;
-        let geometric_normal = outward_normal(if mirrored { [a, c, b] } else { [a, b, c] });
+        let placed = self.placements[hit.instance as usize];
+        let geometric_normal = outward_normal(if placed.mirrored { [a, c, b] } else { [a, b, c] });
         let mut shading_normal = geometric_normal;
         if !mesh.normals.is_empty() {
             let local = mesh.normals[i] * w + mesh.normals[j] * u + mesh.normals[k] * v;
-            let placed = self.placements[hit.instance as usize];
             let local = if placed.identity { local } else { place_normal(transform, local) };
             let normal = local.normalize_or(geometric_normal);
             shading_normal = if normal.dot(geometric_normal) < 0.0 { -normal } else { normal };
@@ -279,7 +272,7 @@ impl<C: RayCaster> World<C> {
         };
         SurfacePoint {
             position: a * w + b * u + c * v,
-            error: interpolation_error(a, b, c),
+            error: interpolation_error(a, b, c) + placed.error,
             geometric_normal,
             shading_normal,
             tangent,
@@ -401,10 +394,6 @@ fn bounds_of(scene: &Scene, instance: &Instance) -> (Vec3, Vec3) {
 /// In double precision, so that slivers keep a normal.
 fn outward_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
     (b - a).as_dvec3().cross((c - a).as_dvec3()).normalize_or(glam::DVec3::Z).as_vec3()
-}
-
-fn mirrors(transform: &Affine3A) -> bool {
-    transform.matrix3.determinant() < 0.0
 }
 
 fn place(transform: &Affine3A, point: Vec3) -> Vec3 {

@@ -11,6 +11,21 @@ pub fn thread_seconds() -> f64 {
     scheduled_nanoseconds().map_or_else(|| START.elapsed().as_secs_f64(), |ns| ns as f64 * 1e-9)
 }
 
+/// Seconds that all threads of this program have been running on processors, those that have ended included; to a hundredth.
+/// Where the system does not tell, seconds of the wall clock.
+pub fn process_seconds() -> f64 {
+    static START: LazyLock<Instant> = LazyLock::new(Instant::now);
+    process_ticks().map_or_else(|| START.elapsed().as_secs_f64(), |ticks| ticks as f64 * 1e-2)
+}
+
+/// The 14th and 15th field of `stat`: time in the program and in the system for it, in ticks of 1/100 s (Linux, proc(5)).
+fn process_ticks() -> Option<u64> {
+    let stat = fs::read_to_string("/proc/self/stat").ok()?;
+    // The name, the second field, may contain blanks; it ends with the last bracket.
+    let mut fields = stat[stat.rfind(')')? + 1..].split_whitespace().skip(11);
+    Some(fields.next()?.parse::<u64>().ok()? + fields.next()?.parse::<u64>().ok()?)
+}
+
 /// First number of `schedstat`: time spent on the processor, ns (Linux, Documentation/scheduler/sched-stats).
 fn scheduled_nanoseconds() -> Option<u64> {
     let statistics = fs::read_to_string("/proc/thread-self/schedstat").ok()?;

@@ -117,6 +117,7 @@ pub fn options() -> RenderOptions {
         max_depth: 0,
         spheres: true,
         guiding: true,
+        similarity: false,
     }
 }
 

@@ -70,15 +70,16 @@ pub fn environment(table: &Table, warnings: &mut Vec<String>) -> Read<Environmen
     Ok(Environment::Constant(table.required("radiance", Value::rgb)?))
 }
 
-/// Keys: `method`, `profile`, `accuracy` (0.02).
+/// Keys: `method`, `profile`, `accuracy` (0.02), `similarity` (false).
 pub fn subsurface(table: &Table) -> Read<SubsurfaceSettings> {
-    table.only(&["method", "profile", "accuracy"])?;
+    table.only(&["method", "profile", "accuracy", "similarity"])?;
     let default = SubsurfaceSettings::default();
     let share = |v: &Value| v.number_where(|x| x > 0.0 && x <= 1.0, "above 0, and 1 at most");
     Ok(SubsurfaceSettings {
         method: table.optional("method", |v| v.choice(&Method::NAMES))?.unwrap_or_default(),
         profile: table.optional("profile", |v| v.choice(&ProfileChoice::NAMES))?.unwrap_or_default(),
         accuracy: table.optional("accuracy", share)?.unwrap_or(default.accuracy),
+        similarity: table.optional("similarity", Value::boolean)?.unwrap_or_default(),
     })
 }
 

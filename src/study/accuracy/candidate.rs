@@ -1,10 +1,11 @@
 //! What is compared: methods, with the diffusion profile where they have one.
 
 use crate::diffusion::ProfileKind;
-use crate::scene::{Method, ProfileChoice};
+use crate::scene::{Material, Method, ProfileChoice, Scene, Surface};
 use crate::study::plot::Style;
 use crate::study::profile::ModelChoice;
 use crate::study::profile::figures::style;
+use crate::transport::RenderOptions;
 
 /// A method and the profile that it uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,24 +14,32 @@ pub struct Candidate {
     pub method: Method,
     /// The diffusion profile; `auto` where the method has none.
     pub profile: ProfileChoice,
+    /// Whether the walk takes a similar isotropic medium for an anisotropic one far from surfaces.
+    pub similarity: bool,
 }
 
 const fn bssrdf(profile: ProfileChoice) -> Candidate {
-    Candidate { method: Method::Bssrdf, profile }
+    Candidate { profile, ..without_profile(Method::Bssrdf) }
+}
+
+const fn without_profile(method: Method) -> Candidate {
+    Candidate { method, profile: ProfileChoice::Auto, similarity: false }
 }
 
 impl Candidate {
     /// Light leaves where it entered.
-    pub const DIFFUSE: Self = Self { method: Method::Diffuse, profile: ProfileChoice::Auto };
+    pub const DIFFUSE: Self = without_profile(Method::Diffuse);
     /// The area integral with the profile that is the truth on a plane.
     pub const TABULATED: Self = bssrdf(ProfileChoice::Tabulated);
     /// The area integral with the profile that knows the direction of entry.
     pub const DIRECTIONAL: Self = bssrdf(ProfileChoice::DirectionalDipole);
     /// The random walk.
-    pub const WALK: Self = Self { method: Method::Walk, profile: ProfileChoice::Auto };
+    pub const WALK: Self = without_profile(Method::Walk);
+    /// The random walk that takes isotropic scattering for anisotropic far from surfaces.
+    pub const SIMILAR_WALK: Self = Self { similarity: true, ..Self::WALK };
 
     /// All there are, cheapest first.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::DIFFUSE,
         Self::TABULATED,
         bssrdf(ProfileChoice::PhotonBeam),
@@ -38,12 +47,27 @@ impl Candidate {
         Self::DIRECTIONAL,
         bssrdf(ProfileChoice::BetterDipole),
         bssrdf(ProfileChoice::Dipole),
+        Self::SIMILAR_WALK,
         Self::WALK,
     ];
 
-    /// Name of the method as on the command line.
+    /// How `scene` is rendered by it.
+    pub fn options(self, scene: &Scene) -> RenderOptions {
+        RenderOptions {
+            seed: 0,
+            method: self.method,
+            accuracy: scene.subsurface.accuracy,
+            profile: self.profile,
+            max_depth: scene.render.max_depth,
+            spheres: true,
+            guiding: true,
+            similarity: self.similarity,
+        }
+    }
+
+    /// Name of the method, as `--methods` takes it.
     pub fn method_name(self) -> &'static str {
-        self.method.name()
+        if self.similarity { "walk-similarity" } else { self.method.name() }
     }
 
     /// Name of the profile, where there is one.
@@ -62,10 +86,20 @@ impl Candidate {
     /// In a sentence, after "use".
     pub fn in_words(self) -> String {
         match (self.method, self.profile_name()) {
+            (Method::Walk, _) if self.similarity => "the walk with --similarity".into(),
             (Method::Walk, _) => "the walk".into(),
             (_, Some(profile)) => format!("{} with the profile {profile}", self.method_name()),
             _ => self.method_name().into(),
         }
+    }
+
+    /// Whether it differs from all others on `scene`: a walk takes a similar medium for none that scatters isotropically.
+    pub fn is_of_its_own_in(self, scene: &Scene) -> bool {
+        let is_anisotropic = |material: &Material| match &material.surface {
+            Surface::Translucent { medium, .. } => medium.g() != 0.0,
+            _ => false,
+        };
+        !self.similarity || scene.materials.iter().any(is_anisotropic)
     }
 
     /// Where it stands in [`Self::ALL`].
@@ -76,6 +110,7 @@ impl Candidate {
     /// How its line looks: that of its profile in every study.
     pub fn style(self) -> Style {
         match (self.method, self.profile.kind()) {
+            (Method::Walk, _) if self.similarity => Style { color: [0x6b, 0x4f, 0x2a], dashes: "8 3" },
             (Method::Walk, _) => Style { color: [0x1a, 0x1a, 0x1a], dashes: "" },
             (Method::Diffuse, _) => Style { color: [0x88, 0x88, 0x88], dashes: "2 4" },
             (_, Some(ProfileKind::Model(kind))) => style(ModelChoice::Analytic(kind)),
@@ -85,13 +120,15 @@ impl Candidate {
 }
 
 /// The candidates that `names` ask for, each once and in the order of [`Candidate::ALL`]; all for none. A name is
-/// `diffuse`, `walk`, that of a profile, or `bssrdf` for all profiles.
+/// `diffuse`, `walk`, `walk-similarity`, that of a profile, or `bssrdf` for all profiles.
 ///
 /// # Errors
 /// What is wrong with a name.
 pub fn candidates(names: &[String]) -> Result<Vec<Candidate>, String> {
     let asked = |name: &str, candidate: &Candidate| {
-        name == candidate.method_name() || Some(name) == candidate.profile_name() || name == candidate.name()
+        let profile = candidate.profile_name();
+        name == candidate.name()
+            || profile.is_some_and(|profile| name == profile || name == candidate.method_name())
     };
     for name in names {
         if !Candidate::ALL.iter().any(|candidate| asked(name, candidate)) {
@@ -105,7 +142,7 @@ pub fn candidates(names: &[String]) -> Result<Vec<Candidate>, String> {
 fn unknown(name: &str) -> String {
     let profiles: Vec<_> = Candidate::ALL.iter().filter_map(|candidate| candidate.profile_name()).collect();
     format!(
-        "--methods: there is no \"{name}\"; known are diffuse, walk, bssrdf (with every profile), and for one profile {}",
+        "--methods: there is no \"{name}\"; known are diffuse, walk, walk-similarity, bssrdf (with every profile), and for one profile {}",
         profiles.join(", ")
     )
 }
@@ -113,6 +150,8 @@ fn unknown(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::radiometry::Rgb;
+    use crate::scene::ScatteringInput;
 
     #[test]
     fn names_choose() {
@@ -120,10 +159,23 @@ mod tests {
             candidates(&names.iter().map(ToString::to_string).collect::<Vec<_>>())
                 .map(|found| found.iter().map(|candidate| candidate.name()).collect::<Vec<_>>())
         };
-        assert_eq!(chosen(&[]).unwrap().len(), 8);
+        assert_eq!(chosen(&[]).unwrap().len(), 9);
         assert_eq!(chosen(&["walk", "tabulated", "walk"]).unwrap(), ["bssrdf-tabulated", "walk"]);
+        assert_eq!(chosen(&["walk-similarity"]).unwrap(), ["walk-similarity"]);
         assert_eq!(chosen(&["bssrdf"]).unwrap().len(), 6);
         assert!(chosen(&["auto"]).unwrap_err().contains("\"auto\""));
+    }
+
+    #[test]
+    fn isotropic_media_have_no_similar_ones() {
+        let scene = |g| {
+            let medium = ScatteringInput::Coefficients { sigma_a: Rgb::ONE, sigma_s: Rgb::ONE, g };
+            let surface = Surface::Translucent { ior: 1.4, roughness: 0.0, medium };
+            Scene { materials: vec![Material { surface, ..Material::default() }], ..Scene::default() }
+        };
+        assert!(Candidate::SIMILAR_WALK.is_of_its_own_in(&scene(-0.2)));
+        assert!(!Candidate::SIMILAR_WALK.is_of_its_own_in(&scene(0.0)));
+        assert!(Candidate::WALK.is_of_its_own_in(&scene(0.0)));
     }
 
     #[test]

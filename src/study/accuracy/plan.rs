@@ -8,7 +8,7 @@ use thiserror::Error;
 use super::candidate::Candidate;
 use super::effects::Effect;
 use super::settings::Settings;
-use crate::scene::{Method, ProfileChoice, Scene};
+use crate::scene::Scene;
 
 /// Parts of each half of the reference: what an interruption can lose is one of them.
 pub const PARTS_OF_HALF: usize = 4;
@@ -48,9 +48,7 @@ pub struct Series {
     /// What for.
     pub role: Role,
     /// How light under the surface is computed.
-    pub method: Method,
-    /// Diffusion profile.
-    pub profile: ProfileChoice,
+    pub candidate: Candidate,
     /// How many runs.
     pub runs: usize,
 }
@@ -111,15 +109,11 @@ enum Share {
 
 /// All series of a study of `scene`, the reference first.
 pub fn series(scene: &Scene, settings: &Settings) -> Vec<Series> {
-    let of = |role, candidate: Candidate, runs| Series {
-        role,
-        method: candidate.method,
-        profile: candidate.profile,
-        runs,
-    };
+    let of = |role, candidate: Candidate, runs| Series { role, candidate, runs };
     let truth = settings.reference();
     let mut all = vec![of(Role::Reference, truth, 2 * PARTS_OF_HALF)];
-    all.extend(settings.candidates().map(|c| of(Role::Candidate(c), c, settings.seeds)));
+    let candidates = settings.candidates().filter(|candidate| candidate.is_of_its_own_in(scene));
+    all.extend(candidates.map(|c| of(Role::Candidate(c), c, settings.seeds)));
     if settings.candidates().any(|candidate| candidate == Candidate::DIRECTIONAL) {
         let runs = settings.seeds.min(MOST_RUNS_OF_DIRECTION);
         all.push(of(Role::AnyDirection, Candidate::DIRECTIONAL, runs));
@@ -253,7 +247,7 @@ mod tests {
     #[test]
     fn no_two_runs_share_a_seed() {
         let all = series(&scene(), &settings(16));
-        assert_eq!(all.len(), 1 + 8 + 1 + 1 + Effect::ALL.len());
+        assert_eq!(all.len(), 1 + 9 + 1 + 1 + Effect::ALL.len());
         let seeds = |study| all.iter().flat_map(move |s| (0..s.runs).map(move |run| s.seed(study, run)));
         let mut found: Vec<u64> = [0, 1, 2, 1 << 20].into_iter().flat_map(seeds).collect();
         let count = found.len();
@@ -281,6 +275,14 @@ mod tests {
         assert!(samples.windows(2).all(|pair| pair[0].1.levels == pair[1].1.levels));
         let short = deal_out(&all, &rates, 0.5).unwrap_err();
         assert!(short.least > 0.5 && deal_out(&all, &rates, short.least).is_ok());
+    }
+
+    #[test]
+    fn similarity_is_studied_where_scattering_is_anisotropic() {
+        let similar = |series: &Series| series.role == Role::Candidate(Candidate::SIMILAR_WALK);
+        let count = |scene| series(&scene, &settings(16)).iter().filter(|series| similar(series)).count();
+        assert_eq!((count(scene()), count(Scene::default())), (1, 0));
+        assert!(series(&scene(), &settings(16)).iter().all(|s| s.candidate.similarity == similar(s)));
     }
 
     #[test]

@@ -8,7 +8,7 @@ use super::store::{Point, Record, Run};
 use crate::film::{Film, FilmError, Picture};
 use crate::raycast::{Geometry, RayCaster, RaycastError};
 use crate::scene::Scene;
-use crate::transport::{Counters, RenderError, RenderOptions, Renderer};
+use crate::transport::{Counters, RenderError, Renderer};
 
 /// A pilot ends when it has taken so many samples, if its time is not up before.
 const PILOT_SAMPLES: u64 = 64;
@@ -34,15 +34,7 @@ pub fn make_ready<C: RayCaster>(
         _ => None,
     };
     let scene = changed.unwrap_or_else(|| scene.clone());
-    let options = RenderOptions {
-        seed: 0,
-        method: series.method,
-        accuracy: scene.subsurface.accuracy,
-        profile: series.profile,
-        max_depth: scene.render.max_depth,
-        spheres: true,
-        guiding: true,
-    };
+    let options = series.candidate.options(&scene);
     let mut renderer = Renderer::new(scene, options, build)?;
     if series.role == Role::AnyDirection {
         renderer.forget_direction_of_entry();

@@ -21,7 +21,7 @@ use crate::film::output::OutputError;
 use crate::film::{FilmError, Picture};
 use crate::raycast::{Geometry, RayCaster, RaycastError};
 use crate::scene::Scene;
-use crate::transport::{RenderError, RenderOptions, Renderer};
+use crate::transport::{RenderError, Renderer};
 
 /// Runs of one candidate that follow each other. Candidates take turns, so that what else the machine does falls on all of
 /// them alike.
@@ -114,16 +114,7 @@ fn look_at<C: RayCaster>(
     settings: &Settings,
     build: &impl Fn(&Geometry) -> Result<C, RaycastError>,
 ) -> Result<(Vec<Region>, Vec<String>), RenderError> {
-    let Candidate { method, profile } = settings.reference();
-    let options = RenderOptions {
-        seed: 0,
-        method,
-        accuracy: scene.subsurface.accuracy,
-        profile,
-        max_depth: scene.render.max_depth,
-        spheres: true,
-        guiding: true,
-    };
+    let options = settings.reference().options(scene);
     let renderer = Renderer::new(scene.clone(), options, build)?;
     Ok((regions(&renderer), renderer.warnings()))
 }
@@ -165,7 +156,7 @@ impl<C: RayCaster, B: Fn(&Geometry) -> Result<C, RaycastError>> Work<'_, B> {
         // What the same method does elsewhere, it does at about the same speed.
         let mut known: Vec<(Candidate, Rate)> = Vec::new();
         for series in &all {
-            let kind = Candidate { method: series.method, profile: series.profile };
+            let kind = series.candidate;
             let rate = match known.iter().find(|(other, _)| *other == kind) {
                 Some((_, rate)) => Ok(Some(*rate)),
                 None => self.rate(series),

@@ -19,6 +19,9 @@
 //! isotropic and the surface many free paths away, one step on a sphere takes the place of many flights
 //! ([`super::sphere_walk`]).
 //!
+//! **Similarity**, if wanted, the only approximation here: once |g|ⁿ has fallen below a hundredth, flights that begin far from any surface
+//! are in the isotropic medium of reduced coefficients ([`crate::transport::spheres::Similarity`]), in which there are steps on spheres.
+//!
 //! **Direct light** is drawn at collisions where it can arrive: through a boundary that bends nothing, or from a
 //! light inside the body. Through a rough boundary it is drawn at the boundary. Through a smooth one that refracts a
 //! straight ray never arrives, and a walk finds a light only by leaving towards it. Light that has far to come through the
@@ -137,42 +140,44 @@ impl<C: RayCaster> Path<'_, C> {
     /// Walks from `from` in `body` until a flight meets a surface; `None` if the path ends before.
     pub(super) fn walk(&mut self, mut from: Next, body: &Interior) -> Option<Walked> {
         let world = &self.renderer.world;
-        let extinction = Extinction::of(&body.medium);
         let bounds = self.bounds(body);
         let draws_light = self.draws_light_in(body);
         let space = self.free_space(body);
         let mut clear = self.clear_distance(space, from.origin);
+        let own = (body.medium, Extinction::of(&body.medium));
+        let similarity = space.similarity().map(|s| (s, (s.medium, Extinction::of(&s.medium))));
         let guide = self.guide(&from, body);
         let mut course = guide.map(|layer| self.set_out(layer, &from));
         for collision in 0.. {
             self.counts_flight()?;
+            let (medium, extinction) = match &similarity {
+                Some((at, similar)) if collision >= at.least_collisions && clear >= at.least_depth => similar,
+                _ => &own,
+            };
             let flight = match &course {
                 Some(course) => extinction.draw_on(course, self.throughput, &mut self.random),
                 None => extinction.draw(self.throughput, &mut self.random),
             };
-            let hit = if flight.distance < clear {
-                None
-            } else {
-                self.counters.rays += 1;
-                // Farther by the rounding of its end, so that no collision comes to lie behind the surface.
-                let t_max = flight.distance + bounds.margin();
-                world.caster().closest(&Ray { origin: from.origin, direction: from.direction, t_max })
-            };
+            let end = from.origin + from.direction * flight.distance;
+            let around_end = self.clear_distance(space, end);
+            // Within the spheres around its ends a flight meets nothing.
+            let is_free = flight.distance < clear + around_end.max(0.0) && bounds.contains(end);
+            let hit = if is_free { None } else { self.meets(&from, flight.distance + bounds.margin()) };
             let position = match hit {
                 Some(hit) if hit.t <= flight.distance => {
-                    self.passes_over(&extinction, &flight, course.as_ref(), hit.t);
+                    self.passes_over(extinction, &flight, course.as_ref(), hit.t);
                     return Some(Walked::Met { from, hit });
                 }
                 Some(hit) => leave(&world.surface(&hit), -from.direction),
-                None => from.origin + from.direction * flight.distance,
+                None => end,
             };
             if hit.is_none() && !bounds.contains(position) {
                 let distance = bounds.exit(from.origin, from.direction);
-                self.passes_over(&extinction, &flight, course.as_ref(), distance);
+                self.passes_over(extinction, &flight, course.as_ref(), distance);
                 return Some(Walked::Escaped(self.escape(&from, body, distance)));
             }
             self.counters.collisions += 1;
-            self.throughput *= extinction.collision(&flight, body.medium.sigma_s);
+            self.throughput *= extinction.collision(&flight, medium.sigma_s);
             if let Some(Course { layer, heading, .. }) = &course {
                 let attenuation = extinction.attenuation(&flight, flight.distance);
                 self.weigh(layer.collision_ratio(heading, flight.distance, attenuation));
@@ -180,8 +185,12 @@ impl<C: RayCaster> Path<'_, C> {
             if !self.plays(collision < ROULETTE_START, |path| path.random.next_f32()) {
                 return None;
             }
-            clear = self.clear_distance(space, position);
-            from = match self.cross_sphere(space, position, clear, draws_light) {
+            clear = around_end;
+            let beyond = match medium.g {
+                0.0 => self.cross_sphere(space, position, clear, draws_light),
+                _ => None,
+            };
+            from = match beyond {
                 Some(beyond) => {
                     clear = self.clear_distance(space, beyond.origin);
                     course = guide.map(|layer| self.set_out(layer, &beyond));
@@ -189,11 +198,19 @@ impl<C: RayCaster> Path<'_, C> {
                 }
                 None => {
                     let lit = draws_light.then_some(clear);
-                    self.scatter(&body.medium, position, from.direction, lit, &mut course)
+                    self.scatter(medium, position, from.direction, lit, &mut course)
                 }
             };
         }
         None
+    }
+
+    /// What a flight meets before it has gone as far as `reach`: farther than it goes by the rounding of its end, so that no collision comes to
+    /// lie behind a surface.
+    fn meets(&mut self, from: &Next, reach: f32) -> Option<Hit> {
+        self.counters.rays += 1;
+        let ray = Ray { origin: from.origin, direction: from.direction, t_max: reach };
+        self.renderer.world.caster().closest(&ray)
     }
 
     /// Counts a flight; `None`, counted, if the path has had too many.
@@ -216,7 +233,7 @@ impl<C: RayCaster> Path<'_, C> {
     }
 
     /// True if light drawn at a collision in `body` may arrive there.
-    fn draws_light_in(&self, body: &Interior) -> bool {
+    pub(super) fn draws_light_in(&self, body: &Interior) -> bool {
         body.ior == self.interiors.ior_around(body.instance) || self.renderer.is_lit_inside(body.instance)
     }
 

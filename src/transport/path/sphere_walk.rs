@@ -23,7 +23,7 @@ use crate::transport::clearance::Clearance;
 use crate::transport::entry::Response;
 use crate::transport::interiors::Interior;
 use crate::transport::light_choice::Receiver;
-use crate::transport::spheres::{Departures, Spheres};
+use crate::transport::spheres::{Departures, Similarity, Spheres};
 use crate::transport::substance::Substance;
 
 /// What is known of the free space around a walk.
@@ -33,13 +33,23 @@ pub(super) struct FreeSpace<'a> {
     spheres: Option<&'a Spheres>,
 }
 
+impl FreeSpace<'_> {
+    /// The medium that stands for the body's own far from surfaces, if one may.
+    pub(super) fn similarity(&self) -> Option<Similarity> {
+        self.spheres.and_then(Spheres::similarity)
+    }
+}
+
 impl<'a, C: RayCaster> Path<'a, C> {
     /// What is known of the free space in `body`.
     pub(super) fn free_space(&self, body: &Interior) -> FreeSpace<'a> {
         let clearance = self.renderer.clearance(body.instance);
         // Light from inside a sphere would be drawn for its centre only.
         let spheres = clearance.filter(|_| !self.renderer.is_lit_inside(body.instance));
-        FreeSpace { clearance, spheres: spheres.and_then(|_| self.spheres(body)) }
+        let spheres = spheres.and_then(|_| self.spheres(body));
+        // Light drawn at collisions would come through the body's own medium.
+        let spheres = spheres.filter(|spheres| !spheres.are_similar() || !self.draws_light_in(body));
+        FreeSpace { clearance, spheres }
     }
 
     fn spheres(&self, body: &Interior) -> Option<&'a Spheres> {
@@ -48,7 +58,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
         let around = self.interiors.ior_around(body.instance);
         let spheres = renderer.scatterers[material].as_ref()?.immersed(around).spheres()?;
         // What the path entered may have been inside something else.
-        (*spheres.medium() == body.medium).then_some(spheres)
+        (*spheres.body() == body.medium).then_some(spheres)
     }
 
     /// A distance, m, from `point` within which there is no surface; 0 or less where none is known.
@@ -56,7 +66,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
         space.clearance.map_or(0.0, |clearance| clearance.around(point))
     }
 
-    /// After a collision at `center`, `clear` away from any surface: to the surface of a sphere of that radius. `None` if it would
+    /// After a collision in the medium of the spheres at `center`, `clear` away from any surface: to the surface of a sphere of that radius. `None` if it would
     /// not pay.
     pub(super) fn cross_sphere(
         &mut self,
