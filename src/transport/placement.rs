@@ -91,7 +91,7 @@ mod tests {
             materials: vec![Material::default()],
             ..Scene::default()
         };
-        let world = World::new(scene, |geometry| EmbreeCaster::new(geometry, 1)).unwrap();
+        let world = World::new(scene, vec![], |geometry| EmbreeCaster::new(geometry, 1)).unwrap();
         let mut random = HashGenerator::new(1);
         let mut again = [0; 4];
         for i in 0..400_000 {
