@@ -193,6 +193,11 @@ fn the_report_needs_nothing_else() {
     assert!(html.contains(sentence), "{sentence}");
     // Two charts for the whole picture, two for the material.
     assert_eq!(html.matches("<figure class=\"plot\"><svg").count(), 4);
+    // Those of the error over time are files, too.
+    for name in ["error.svg", "error-wax.svg"] {
+        let chart = fs::read_to_string(folder.path("out").join(name)).unwrap();
+        assert!(chart.starts_with("<svg") && html.contains(&chart), "{name}");
+    }
     for label in ["time T [s]", "relative error √relMSE [%]", "time needed [s]"] {
         assert_eq!(html.matches(label).count(), 2, "{label}");
     }

@@ -173,6 +173,9 @@ fn report_on(
         let of_mean: Vec<f64> = found.variance.iter().map(|x| x / found.runs as f64).collect();
         write_picture(store, &format!("{}.exr", found.candidate.name()), &found.picture, &of_mean)?;
     }
+    for (name, svg) in report::charts(results).map_err(CliError::machine)? {
+        store.write(&name, svg.as_bytes())?;
+    }
     store.write("report.html", html.as_bytes())?;
     results.warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
     if args.json {

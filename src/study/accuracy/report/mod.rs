@@ -51,6 +51,27 @@ pub fn html(results: &Results, title: &str, complete: bool) -> Result<String, Re
     ))
 }
 
+/// The charts of the error over time, as files of their own: names and contents (SVG), of the whole picture and of each material.
+///
+/// # Errors
+/// See [`ReportError`].
+pub fn charts(results: &Results) -> Result<Vec<(String, String)>, ReportError> {
+    let chart = |region: usize| {
+        let svg = sections::error_chart(results, region)?;
+        let name = match region {
+            0 => "error.svg".into(),
+            _ => format!("error-{}.svg", file_name(&results.regions[region].name)),
+        };
+        Ok((name, svg))
+    };
+    results.reported_regions().map(chart).collect()
+}
+
+/// What may be part of the name of a file anywhere.
+fn file_name(text: &str) -> String {
+    text.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).collect()
+}
+
 fn facts(results: &Results) -> String {
     let settings = &results.plan.settings;
     format!(

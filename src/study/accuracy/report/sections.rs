@@ -69,6 +69,11 @@ pub fn curves(results: &Results) -> Result<String, ReportError> {
     ))
 }
 
+/// Error over time in one region.
+pub fn error_chart(results: &Results, region: usize) -> Result<String, ReportError> {
+    Ok(chart(&figures::error_over_time(results, region))?)
+}
+
 fn legend_entry(result: &CandidateResult) -> String {
     let Style { color: [r, g, b], dashes } = result.candidate.style();
     format!(
