@@ -194,7 +194,7 @@ fn the_report_needs_nothing_else() {
     // Two charts for the whole picture, two for the material.
     assert_eq!(html.matches("<figure class=\"plot\"><svg").count(), 4);
     // Those of the error over time are files, too.
-    for name in ["error.svg", "error-wax.svg"] {
+    for name in ["error.svg", "error-wax--yellow.svg"] {
         let chart = fs::read_to_string(folder.path("out").join(name)).unwrap();
         assert!(chart.starts_with("<svg") && html.contains(&chart), "{name}");
     }
