@@ -2,6 +2,7 @@
 
 use super::error::CliError;
 use crate::raycast::bvh::BvhCaster;
+use crate::raycast::obvhs::ObvhsCaster;
 use crate::raycast::{Backend, Geometry, RayCaster, RaycastError};
 
 /// Work for a ray caster of any kind.
@@ -15,6 +16,7 @@ pub fn run_on(backend: Backend, work: impl RayWork) -> Result<(), CliError> {
     match backend {
         Backend::Embree => run_on_embree(work),
         Backend::Bvh => work.run(BvhCaster::new),
+        Backend::Obvhs => work.run(ObvhsCaster::new),
     }
 }
 

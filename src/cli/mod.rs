@@ -2,6 +2,7 @@
 
 mod backend;
 mod bar;
+mod bench;
 mod choice;
 mod compare;
 mod compare_report;
@@ -62,6 +63,8 @@ enum Command {
     Profile(profile::ProfileArgs),
     /// Shows what accuracy costs in time: error against seconds for every method, as a report of one file
     Study(study::StudyArgs),
+    /// Lets the ray casters race on the rays of a scene: speed, memory, and whether they agree
+    Bench(bench::BenchArgs),
     /// Lists the measured materials with their sources
     Materials(materials::MaterialsArgs),
 }
@@ -95,6 +98,7 @@ fn run(command: Command) -> Result<(), CliError> {
         Command::Slab(args) => slab::run(&args),
         Command::Profile(args) => profile::run(&args),
         Command::Study(args) => study::run(&args),
+        Command::Bench(args) => bench::run(&args),
         Command::Materials(args) => materials::run(&args),
     }
 }

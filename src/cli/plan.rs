@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use super::choice::SubsurfaceArgs;
 use super::console::{print_line, say};
 use super::error::CliError;
+use crate::plan::effects::Effect;
 use crate::plan::{Plan, PlannedObject, Request};
 use crate::scene::{Method, SubsurfaceSettings, read_scene};
 
@@ -36,21 +37,20 @@ pub fn run(args: &PlanArgs) -> Result<(), CliError> {
     if args.json {
         return print_line(&as_json(&plan, &scene.subsurface).to_string());
     }
-    print_line(&as_text(&plan))
+    print_line(&format!("{}\n\n{}", as_text(&plan), effects_as_text(&plan.effects)))
 }
 
 /// What is to be done, and what is left out. There is one kernel, which branches at what a scene has.
 pub fn as_json(plan: &Plan, settings: &SubsurfaceSettings) -> Value {
-    let on = !plan.objects.is_empty();
-    let reason = match plan.objects.len() {
-        0 => "no object is translucent".into(),
-        1 => "1 object is translucent".into(),
-        count => format!("{count} objects are translucent"),
-    };
+    let effects: Vec<_> = plan
+        .effects
+        .iter()
+        .map(|effect| json!({ "name": effect.name, "on": effect.on, "reason": effect.reason }))
+        .collect();
     json!({
         "method": settings.method.name(),
         "accuracy": f64::from(settings.accuracy),
-        "effects": [{ "name": "subsurface scattering", "on": on, "reason": reason }],
+        "effects": effects,
         "kernel": "generic",
         "dropped": plan.objects.iter().filter_map(dropped).collect::<Vec<_>>(),
         "objects": plan.objects.iter().map(object_as_json).collect::<Vec<_>>(),
@@ -120,6 +120,21 @@ fn as_text(plan: &Plan) -> String {
     };
     let rows = plan.objects.iter().map(row);
     [heading].into_iter().chain(rows).collect::<Vec<_>>().join("\n")
+}
+
+/// A line for each effect: those that the scene calls for first.
+fn effects_as_text(effects: &[Effect]) -> String {
+    let width = effects.iter().map(|effect| effect.name.len()).max().unwrap_or(0);
+    let line = |effect: &Effect| {
+        let state = if effect.on { "on" } else { "off" };
+        format!("{:width$}  {state:3}  {}", effect.name, effect.reason)
+    };
+    let (on, off): (Vec<_>, Vec<_>) = effects.iter().partition(|effect| effect.on);
+    [format!("{:width$}", "effect")]
+        .into_iter()
+        .chain(on.into_iter().chain(off).map(line))
+        .collect::<Vec<_>>()
+        .join("\n")
 }
 
 /// Three significant digits.

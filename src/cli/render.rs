@@ -99,7 +99,7 @@ struct Render<'a> {
 impl RayWork for Render<'_> {
     fn run<C: RayCaster>(self, build: impl Fn(&Geometry) -> Result<C, RaycastError>) -> Result<(), CliError> {
         let Self { args, scene } = self;
-        let options = options(args, &scene);
+        let options = RenderOptions::of(&scene, args.seed);
         let film = Film::new(scene.film.width, scene.film.height)?;
         let renderer = Renderer::new(scene, options, build)?;
         renderer.warnings().iter().for_each(|warning| say(&format!("warning: {warning}")));
@@ -114,19 +114,6 @@ fn scene_with_overrides(args: &RenderArgs) -> Result<Scene, CliError> {
     args.subsurface.override_in(&mut scene.subsurface);
     scene.subsurface.similarity |= args.similarity;
     Ok(scene)
-}
-
-fn options(args: &RenderArgs, scene: &Scene) -> RenderOptions {
-    RenderOptions {
-        seed: args.seed,
-        method: scene.subsurface.method,
-        accuracy: scene.subsurface.accuracy,
-        profile: scene.subsurface.profile,
-        max_depth: scene.render.max_depth,
-        spheres: true,
-        guiding: true,
-        similarity: scene.subsurface.similarity,
-    }
 }
 
 /// Backend, methods and profiles in use.

@@ -6,6 +6,7 @@
 
 pub mod body;
 pub mod decision;
+pub mod effects;
 pub mod errors;
 mod isotonic;
 mod measured;
@@ -13,6 +14,7 @@ mod object;
 pub mod solid;
 
 pub use decision::Request;
+use effects::{Effect, effects};
 use measured::Measured;
 pub use object::{Expected, PlannedObject};
 
@@ -23,6 +25,8 @@ use crate::scene::{Method, Scene};
 pub struct Plan {
     /// The bodies, in the order of the scene's instances.
     pub objects: Vec<PlannedObject>,
+    /// The effects of light there are, and which of them the scene calls for.
+    pub effects: Vec<Effect>,
     /// Instances of the scene.
     instances: usize,
 }
@@ -33,8 +37,9 @@ impl Plan {
         let mut measured = Measured::default();
         let objects = (0..scene.instances.len())
             .filter_map(|instance| PlannedObject::new(scene, instance, &mut measured, request))
-            .collect();
-        Self { objects, instances: scene.instances.len() }
+            .collect::<Vec<_>>();
+        let effects = effects(scene, &objects);
+        Self { objects, effects, instances: scene.instances.len() }
     }
 
     /// By instance: how light under the surface is computed; `None` where nothing is translucent.

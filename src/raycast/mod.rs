@@ -7,6 +7,7 @@ pub mod bvh;
 #[cfg(feature = "embree")]
 pub mod embree;
 mod nearest;
+pub mod obvhs;
 mod watertight;
 
 use glam::{Affine3A, DAffine3, Vec3};
@@ -179,6 +180,12 @@ pub enum RaycastError {
         /// Index of the instance.
         instance: usize,
     },
+    /// A hierarchy cannot be built.
+    #[error("the hierarchy over the triangles cannot be built: {message}")]
+    Hierarchy {
+        /// Why.
+        message: String,
+    },
     /// More triangles or vertices than the index type holds.
     #[error("mesh {mesh} has {count} {what}; the limit is {limit}")]
     TooLarge {
@@ -200,15 +207,22 @@ pub enum Backend {
     Embree,
     /// The pure-Rust hierarchy ([`bvh::BvhCaster`]), in every build.
     Bvh,
+    /// That of the crate `obvhs` as it comes ([`obvhs::ObvhsCaster`]), for comparison.
+    Obvhs,
 }
 
 impl Backend {
     /// Names on the command line and in reports.
-    pub const NAMES: [(&'static str, Self); 2] = [("embree", Self::Embree), ("bvh", Self::Bvh)];
+    pub const NAMES: [(&'static str, Self); 3] =
+        [("embree", Self::Embree), ("bvh", Self::Bvh), ("obvhs", Self::Obvhs)];
 
     /// The backends of this build, the fastest first.
     pub const fn available() -> &'static [Self] {
-        if cfg!(feature = "embree") { &[Self::Embree, Self::Bvh] } else { &[Self::Bvh] }
+        if cfg!(feature = "embree") {
+            &[Self::Embree, Self::Bvh, Self::Obvhs]
+        } else {
+            &[Self::Bvh, Self::Obvhs]
+        }
     }
 
     /// The name on the command line and in reports.
@@ -216,6 +230,7 @@ impl Backend {
         match self {
             Self::Embree => "embree",
             Self::Bvh => "bvh",
+            Self::Obvhs => "obvhs",
         }
     }
 }

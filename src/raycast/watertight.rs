@@ -6,26 +6,25 @@ use glam::Vec3;
 use super::Ray;
 
 /// A ray prepared for [`WatertightRay::intersect`]: sheared so that it runs along its longest axis.
-pub(super) struct WatertightRay {
-    origin: Vec3,
+pub struct WatertightRay {
+    pub(super) origin: Vec3,
     /// Axes in the order that makes the longest of the direction the last.
-    axes: [usize; 3],
-    shear: Vec3,
+    pub(super) axes: [usize; 3],
+    pub(super) shear: Vec3,
 }
 
 impl WatertightRay {
-    pub(super) fn new(ray: &Ray) -> Self {
-        let direction = ray.direction;
-        let z = direction.abs().max_position();
-        let axes = [(z + 1) % 3, (z + 2) % 3, z];
-        let along = direction[z];
-        let shear = Vec3::new(direction[axes[0]] / along, direction[axes[1]] / along, 1.0 / along);
-        Self { origin: ray.origin, axes, shear }
+    #[inline(always)]
+    pub fn new(ray: &Ray) -> Self {
+        const AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
+        let axes = AXES[ray.direction.abs().max_position()];
+        let [x, y, z] = axes.map(|axis| ray.direction.to_array()[axis]);
+        Self { origin: ray.origin, axes, shear: Vec3::new(x / z, y / z, 1.0 / z) }
     }
 
     /// Parameter t in (0, `t_max`] and barycentric coordinates (u, v) of the second and third vertex. A ray
     /// through an edge meets all triangles of that edge.
-    pub(super) fn intersect(&self, corners: &[Vec3; 3], t_max: f32) -> Option<(f32, f32, f32)> {
+    pub fn intersect(&self, corners: &[Vec3; 3], t_max: f32) -> Option<(f32, f32, f32)> {
         let [a, b, c] = corners.map(|corner| self.shear(corner - self.origin));
         let weights = Vec3::new(side(c, b), side(a, c), side(b, a));
         if weights.min_element() < 0.0 && weights.max_element() > 0.0 {

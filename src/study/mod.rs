@@ -5,3 +5,4 @@ pub mod image;
 pub mod numbers;
 pub mod plot;
 pub mod profile;
+pub mod race;

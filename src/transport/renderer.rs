@@ -19,7 +19,9 @@ use crate::plan::{Plan, Request};
 use crate::radiometry::Rgb;
 use crate::raycast::{Geometry, Ray, RayCaster, RaycastError};
 use crate::scene::camera::CameraRays;
-use crate::scene::{ColorMode, Light, Method, ProfileChoice, ScatteringInput, Scene, Surface};
+use crate::scene::{
+    ColorMode, Light, Method, ProfileChoice, ScatteringInput, Scene, SubsurfaceSettings, Surface,
+};
 
 /// What a render can be asked for beyond the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +45,15 @@ pub struct RenderOptions {
     /// Whether `spheres` are used in anisotropic media too, far from surfaces: those of the isotropic medium of reduced coefficients, similar to order 1,
     /// which is an approximation.
     pub similarity: bool,
+}
+
+impl RenderOptions {
+    /// What `scene` asks for, with all that saves time and changes nothing.
+    pub fn of(scene: &Scene, seed: u64) -> Self {
+        let SubsurfaceSettings { method, accuracy, profile, similarity } = scene.subsurface;
+        let max_depth = scene.render.max_depth;
+        Self { seed, method, accuracy, profile, max_depth, spheres: true, guiding: true, similarity }
+    }
 }
 
 impl From<&RenderOptions> for Request {

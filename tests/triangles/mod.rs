@@ -12,6 +12,11 @@ pub fn backends(geometry: &Geometry) -> Vec<(&'static str, Box<dyn RayCaster>)> 
         #[cfg(feature = "embree")]
         ("embree", Box::new(alabaster::raycast::embree::EmbreeCaster::new(geometry, 0).expect("builds"))),
         ("bvh", Box::new(alabaster::raycast::bvh::BvhCaster::new(geometry).expect("builds"))),
+        (
+            "bvh, portable",
+            Box::new(alabaster::raycast::bvh::BvhCaster::new(geometry).expect("builds").portable()),
+        ),
+        ("obvhs", Box::new(alabaster::raycast::obvhs::ObvhsCaster::new(geometry).expect("builds"))),
     ]
 }
 

@@ -53,16 +53,8 @@ impl Candidate {
 
     /// How `scene` is rendered by it.
     pub fn options(self, scene: &Scene) -> RenderOptions {
-        RenderOptions {
-            seed: 0,
-            method: self.method,
-            accuracy: scene.subsurface.accuracy,
-            profile: self.profile,
-            max_depth: scene.render.max_depth,
-            spheres: true,
-            guiding: true,
-            similarity: self.similarity,
-        }
+        let Self { method, profile, similarity } = self;
+        RenderOptions { method, profile, similarity, ..RenderOptions::of(scene, 0) }
     }
 
     /// Name of the method, as `--methods` takes it.

@@ -1,4 +1,4 @@
-//! Ray queries in Rust alone: the yardstick for Embree, and the way to build without it.
+//! Ray queries by the crate `obvhs` as it comes: the yardstick of what Rust has to offer.
 //!
 //! The hierarchy is the compressed wide one of the crate `obvhs` (Ylitie, Karras, Laine 2017), one for each
 //! mesh, with one over the instances on top. The triangle test is watertight. Two traits of the
@@ -37,7 +37,7 @@ const TRAVERSAL_STACK: usize = 32;
 const LARGEST_COORDINATE: f32 = 1e13;
 
 /// The pure-Rust backend.
-pub struct BvhCaster {
+pub struct ObvhsCaster {
     /// Over the boxes of the instances in `placements`.
     top: CwBvh,
     placements: Vec<Placement>,
@@ -49,7 +49,7 @@ pub struct BvhCaster {
 
 struct Placement {
     instance: u32,
-    /// Index into `BvhCaster::meshes`.
+    /// Index into `ObvhsCaster::meshes`.
     mesh: usize,
     /// `None` if the mesh lies in world space.
     space: Option<ObjectSpace>,
@@ -66,7 +66,7 @@ struct Triangle {
     primitive: u32,
 }
 
-impl BvhCaster {
+impl ObvhsCaster {
     /// Builds the hierarchies.
     ///
     /// # Errors
@@ -103,7 +103,7 @@ impl BvhCaster {
         Ok(Self { top, placements, placement_of, meshes, build_time: start.elapsed() })
     }
 
-    /// How long [`BvhCaster::new`] took.
+    /// How long [`ObvhsCaster::new`] took.
     pub fn build_time(&self) -> Duration {
         self.build_time
     }
@@ -120,7 +120,7 @@ impl BvhCaster {
     }
 }
 
-impl RayCaster for BvhCaster {
+impl RayCaster for ObvhsCaster {
     fn closest(&self, ray: &Ray) -> Option<Hit> {
         let mut nearest = None;
         let mut rest = *ray;

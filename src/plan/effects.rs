@@ -1,0 +1,262 @@
+//! Which effects of light a scene calls for, and why.
+//!
+//! Only what is placed in the scene counts, and only what it comes to: a coefficient of 0, an index of 1, a black light or a colour
+//! without texture call for nothing.
+
+use glam::Vec3;
+
+use super::PlannedObject;
+use crate::optics::is_smooth;
+use crate::scene::material::Coverage;
+use crate::scene::{Environment, Instance, Light, Material, Method, ScatteringInput, Scene, Surface};
+
+/// An effect and whether the scene calls for it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Effect {
+    /// Its name, in reports.
+    pub name: &'static str,
+    /// True if the scene calls for it.
+    pub on: bool,
+    /// What calls for it, or that nothing does.
+    pub reason: String,
+}
+
+/// What a material has that calls for an effect, in words.
+type Cause = fn(&Material) -> Option<String>;
+
+/// Effects that materials call for: name, cause, and what is said if no material does.
+const OF_MATERIALS: [(&str, Cause, &str); 11] = [
+    ("subsurface scattering", scattering, "no material scatters inside"),
+    ("refraction", refraction, "no material has an index of refraction other than 1"),
+    ("rough surfaces", roughness, "every surface is perfectly smooth or diffuse"),
+    ("absorption", absorption, "no clear body absorbs"),
+    ("anisotropic scattering", anisotropy, "every medium scatters alike in all directions"),
+    ("colours of mean free paths", unequal_channels, "all channels have the same mean free path"),
+    ("textured coefficients", textured_coefficients, "no medium has a texture"),
+    ("textures", textures, "no material has a texture"),
+    ("normal maps", normal_map, "no material has a normal map"),
+    ("partial coverage", coverage, "every surface is there everywhere"),
+    ("dispersion", dispersion, "no material has an Abbe number"),
+];
+
+/// All effects there are, each on or off in `scene`, whose translucent bodies are rendered as `objects` says.
+pub fn effects(scene: &Scene, objects: &[PlannedObject]) -> Vec<Effect> {
+    let of_material = |(name, cause, without): (&'static str, Cause, &str)| {
+        let users = (0..scene.instances.len()).filter_map(|instance| {
+            let placed = &scene.instances[instance];
+            let is_there = !scene.meshes[placed.mesh].triangles.is_empty();
+            let material = &scene.materials[placed.material];
+            let cause = is_there.then(|| cause(material)).flatten()?;
+            Some(format!(
+                "{} of {} {cause}",
+                quoted("material", &material.name),
+                quoted("object", &placed.name)
+            ))
+        });
+        effect(name, users, without)
+    };
+    let [scattering, others @ ..] = OF_MATERIALS.map(of_material);
+    let of_method = |name, method: Method, without| {
+        let users = objects.iter().filter(|object| object.method == method);
+        effect(name, users.map(|o| format!("{}: {}", quoted("object", &o.object), o.reason)), without)
+    };
+    let mut effects = vec![
+        scattering,
+        of_method("area integral", Method::Bssrdf, "no object is rendered by bssrdf"),
+        of_method("random walk", Method::Walk, "no object is rendered by walk"),
+    ];
+    effects.extend(others);
+    effects.extend([
+        nested_media(scene),
+        area_lights(scene),
+        delta_lights(scene),
+        environment(scene),
+        lens(scene),
+    ]);
+    effects
+}
+
+/// On if there is a user, of which the first is named.
+fn effect(name: &'static str, mut users: impl Iterator<Item = String>, without: &str) -> Effect {
+    match users.next() {
+        None => Effect { name, on: false, reason: without.into() },
+        Some(first) => {
+            let reason = match users.count() {
+                0 => first,
+                more => format!("{first}, and {more} more"),
+            };
+            Effect { name, on: true, reason }
+        }
+    }
+}
+
+fn quoted(kind: &str, name: &str) -> String {
+    if name.is_empty() { format!("{kind} without name") } else { format!("{kind} `{name}`") }
+}
+
+fn medium(material: &Material) -> Option<&ScatteringInput> {
+    match &material.surface {
+        Surface::Translucent { medium, .. } => Some(medium).filter(|medium| scatters(medium)),
+        _ => None,
+    }
+}
+
+fn scatters(medium: &ScatteringInput) -> bool {
+    match medium {
+        ScatteringInput::Coefficients { sigma_s, .. } => !sigma_s.is_black(),
+        ScatteringInput::Albedo { albedo, .. } => !albedo.factor.is_black(),
+    }
+}
+
+fn scattering(material: &Material) -> Option<String> {
+    medium(material).map(|_| "scatters inside".into())
+}
+
+fn refraction(material: &Material) -> Option<String> {
+    let ior = match &material.surface {
+        Surface::Dielectric { ior, .. } | Surface::Translucent { ior, .. } => *ior,
+        Surface::MetallicRoughness(m) if m.transmission.factor > 0.0 && !m.thin => m.ior,
+        _ => return None,
+    };
+    (ior != 1.0).then(|| format!("has ior {ior}"))
+}
+
+fn roughness(material: &Material) -> Option<String> {
+    let roughness = material.roughness()?;
+    (!is_smooth(roughness)).then(|| format!("has roughness {roughness}"))
+}
+
+fn absorption(material: &Material) -> Option<String> {
+    let sigma_a =
+        match &material.surface {
+            Surface::Dielectric { sigma_a, .. } => *sigma_a,
+            Surface::MetallicRoughness(m) if m.transmission.factor > 0.0 && !m.thin => m.sigma_a,
+            Surface::Translucent {
+                medium: ScatteringInput::Coefficients { sigma_a, sigma_s, .. }, ..
+            } if sigma_s.is_black() => *sigma_a,
+            _ => return None,
+        };
+    (!sigma_a.is_black()).then(|| "is clear and absorbs".into())
+}
+
+fn anisotropy(material: &Material) -> Option<String> {
+    let g = medium(material)?.g();
+    (g != 0.0).then(|| format!("has g {g}"))
+}
+
+fn unequal_channels(material: &Material) -> Option<String> {
+    let [r, g, b] = medium(material)?.sigma_t().0;
+    (r != g || g != b).then(|| "has a mean free path of its own for each channel".into())
+}
+
+fn textured_coefficients(material: &Material) -> Option<String> {
+    match medium(material)? {
+        ScatteringInput::Albedo { albedo, .. } if albedo.texture.is_some() || albedo.vertex_color => {
+            Some("has a textured albedo".into())
+        }
+        _ => None,
+    }
+}
+
+fn textures(material: &Material) -> Option<String> {
+    match material.textures().len() {
+        0 => None,
+        1 => Some("has a texture".into()),
+        count => Some(format!("has {count} textures")),
+    }
+}
+
+fn normal_map(material: &Material) -> Option<String> {
+    material.normal_map.filter(|(_, scale)| *scale != 0.0).map(|_| "has a normal map".into())
+}
+
+fn coverage(material: &Material) -> Option<String> {
+    match material.coverage {
+        Coverage::Full => None,
+        Coverage::Mask { .. } => Some("is cut out by its alpha".into()),
+        Coverage::Blend { .. } => Some("is blended by its alpha".into()),
+    }
+}
+
+fn dispersion(material: &Material) -> Option<String> {
+    let abbe = match &material.surface {
+        Surface::Dielectric { abbe, .. } => *abbe,
+        Surface::MetallicRoughness(m) => m.abbe,
+        _ => None,
+    };
+    abbe.map(|abbe| format!("has Abbe number {abbe}"))
+}
+
+/// True if light goes on inside.
+fn is_body(material: &Material) -> bool {
+    match &material.surface {
+        Surface::Dielectric { .. } | Surface::Translucent { .. } => true,
+        Surface::MetallicRoughness(m) => m.transmission.factor > 0.0 && !m.thin,
+        _ => false,
+    }
+}
+
+/// Bodies whose boxes overlap may be one inside the other.
+fn nested_media(scene: &Scene) -> Effect {
+    let bodies: Vec<_> =
+        scene.instances.iter().filter(|placed| is_body(&scene.materials[placed.material])).collect();
+    let bounds: Vec<_> = bodies.iter().map(|placed| bounds(scene, placed)).collect();
+    let pairs = (0..bodies.len()).flat_map(|i| (0..i).map(move |j| (j, i))).filter_map(|(j, i)| {
+        let ([a_low, a_high], [b_low, b_high]) = (bounds[j], bounds[i]);
+        let overlap = a_low.cmple(b_high).all() && b_low.cmple(a_high).all();
+        overlap.then(|| {
+            format!(
+                "{} reaches into the box of {}",
+                quoted("object", &bodies[j].name),
+                quoted("object", &bodies[i].name)
+            )
+        })
+    });
+    effect("nested media", pairs.take(1), "no two bodies that light enters are close to each other")
+}
+
+/// Lowest and highest corner of the box around a placed mesh; of nothing, a box that overlaps with none.
+fn bounds(scene: &Scene, placed: &Instance) -> [Vec3; 2] {
+    let points = scene.meshes[placed.mesh].positions.iter();
+    let join = |[low, high]: [Vec3; 2], point: Vec3| [low.min(point), high.max(point)];
+    points
+        .map(|point| placed.transform.transform_point3(*point))
+        .fold([Vec3::INFINITY, Vec3::NEG_INFINITY], join)
+}
+
+fn area_lights(scene: &Scene) -> Effect {
+    let lights =
+        scene.lights.iter().filter(|light| light.has_size()).map(|_| "a light has a size".to_string());
+    let shining = scene.instances.iter().filter(|placed| {
+        !scene.materials[placed.material].emission.factor.is_black()
+            && !scene.meshes[placed.mesh].triangles.is_empty()
+    });
+    let shining = shining.map(|placed| format!("{} shines", quoted("object", &placed.name)));
+    effect("area lights", shining.chain(lights), "nothing that has a size shines")
+}
+
+fn delta_lights(scene: &Scene) -> Effect {
+    let kind = |light: &Light| match light {
+        Light::Point { .. } => Some("there is a point light"),
+        Light::Spot { .. } => Some("there is a spot"),
+        Light::Directional { .. } => Some("there is a directional light"),
+        Light::Quad { .. } | Light::Disk { .. } | Light::Sphere { .. } => None,
+    };
+    let lights = scene.lights.iter().filter_map(kind).map(String::from);
+    effect("lights without size", lights, "every light has a size")
+}
+
+fn environment(scene: &Scene) -> Effect {
+    let cause = match &scene.environment {
+        Some(Environment::Constant(radiance)) if !radiance.is_black() => Some("there is light all around"),
+        Some(Environment::Map { .. }) => Some("there is an environment map"),
+        _ => None,
+    };
+    effect("environment", cause.map(String::from).into_iter(), "no light comes from far around")
+}
+
+fn lens(scene: &Scene) -> Effect {
+    let aperture = scene.camera.aperture;
+    let cause = (aperture > 0.0).then(|| format!("the lens is {} mm wide", 1000.0 * aperture));
+    effect("lens", cause.into_iter(), "the camera is a pinhole")
+}

@@ -1,0 +1,347 @@
+//! How boxes are parted: in two, and the halves in two again, where the sum of surfaces times what is within is least (the surface area
+//! heuristic, in bins: Wald 2007, "On fast construction of SAH-based bounding volume hierarchies"); and how many of the parts are best put
+//! side by side in a node (dynamic programming after Ylitie, Karras, Laine 2017, "Efficient incoherent ray traversal on GPUs through
+//! compressed wide BVHs", section 3.1).
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Affine3A, Vec3A, Vec3Swizzles, Vec4};
+use rayon::prelude::*;
+
+use super::node::WIDTH;
+use super::pages::Pages;
+use crate::raycast::RaycastError;
+
+/// A box.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds {
+    pub low: Vec3A,
+    pub high: Vec3A,
+}
+
+impl Bounds {
+    pub const EMPTY: Self = Self { low: Vec3A::INFINITY, high: Vec3A::NEG_INFINITY };
+
+    /// The box around points.
+    pub fn around(points: impl IntoIterator<Item = Vec3A>) -> Self {
+        let point = |point| Self { low: point, high: point };
+        points.into_iter().map(point).fold(Self::EMPTY, Self::union)
+    }
+
+    #[inline]
+    pub fn union(self, other: Self) -> Self {
+        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
+
+    /// The box around the image of this one; wider than that by more than the rounding of both ways.
+    pub fn transformed(self, transform: &Affine3A) -> Self {
+        let corner = |index: usize| {
+            let pick = |axis: usize| if index >> axis & 1 == 0 { self.low[axis] } else { self.high[axis] };
+            transform.transform_point3a(Vec3A::new(pick(0), pick(1), pick(2)))
+        };
+        let Self { low, high } = Self::around((0..8).map(corner));
+        let margin = Vec3A::splat(16.0 * f32::EPSILON * low.abs().max(high.abs()).max_element());
+        Self { low: low - margin, high: high + margin }
+    }
+
+    #[inline]
+    pub fn half_area(self) -> f32 {
+        let size = self.high - self.low;
+        size.dot(size.yzx())
+    }
+}
+
+/// A box and its number.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub struct Item {
+    /// Lowest corner, and the bits of the number.
+    low: Vec4,
+    high: Vec4,
+}
+
+impl Item {
+    pub fn new(Bounds { low, high }: Bounds, index: u32) -> Self {
+        // As a float the number is a denormal one, with which processors are slow to multiply: so centres get a fourth component of 1.
+        Self { low: low.extend(f32::from_bits(index)), high: high.extend(1.0) }
+    }
+
+    #[inline]
+    pub fn bounds(&self) -> Bounds {
+        Bounds { low: Vec3A::from_vec4(self.low), high: Vec3A::from_vec4(self.high) }
+    }
+
+    #[inline]
+    pub fn index(&self) -> u32 {
+        self.low.w.to_bits()
+    }
+
+    /// Twice the centre.
+    #[inline]
+    fn centre(&self) -> Vec3A {
+        let Bounds { low, high } = self.bounds();
+        low + high
+    }
+}
+
+/// Some of the boxes.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub struct Part {
+    /// The box around them; as a number, the box, if it is only one, or else where its two halves are, one after the other.
+    item: Item,
+    /// Boxes in it.
+    pub count: u64,
+    /// By i: how it is cut if it may become i + 1 children of a node at most; of one child, how what is below is cut into eight at most.
+    pub cuts: [Cut; WIDTH],
+}
+
+impl Part {
+    pub fn bounds(&self) -> Bounds {
+        self.item.bounds()
+    }
+
+    /// The box, if it is only one; or else where its two halves are, one after the other.
+    pub fn first(&self) -> u32 {
+        self.item.index()
+    }
+}
+
+/// How many children each half of a part becomes at most; nothing if the part remains whole.
+#[derive(Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct Cut(u8);
+
+impl Cut {
+    /// It remains whole.
+    pub const NONE: Self = Self(0);
+
+    fn new(left: usize, right: usize) -> Self {
+        Self((left | right << 4) as u8)
+    }
+
+    pub fn halves(self) -> Option<[usize; 2]> {
+        let Self(both) = self;
+        (both != 0).then_some([usize::from(both & 0xf), usize::from(both >> 4)])
+    }
+}
+
+/// Boxes of which it is worth while to part the halves at the same time.
+const PARALLEL: usize = 1 << 12;
+
+/// Parts `items`, of which there is at least one, into `2·n − 1` parts, the whole first and halves behind what they are halves of. Of
+/// items up to `capacity` a leaf can be made. After `levels`, parts are cut in the middle, whatever that costs.
+///
+/// # Errors
+/// If there is no memory.
+pub fn partition(items: &mut [Item], capacity: usize, levels: u32) -> Result<Pages<Part>, RaycastError> {
+    let mut parts: Pages<Part> = Pages::zeroed(2 * items.len() - 1)?;
+    if let Some((whole, rest)) = parts.split_first_mut() {
+        Partition { capacity }.divide(items, whole, rest, 1, levels);
+    }
+    Ok(parts)
+}
+
+/// By part: the least cost if it may become at most 1, 2, …, 8 children of a node. Looking into a node costs as much as looking
+/// into a leaf, and is as likely as its surface is large.
+type Costs = [f32; WIDTH];
+
+struct Partition {
+    capacity: usize,
+}
+
+impl Partition {
+    /// Makes `part` the part of all of `items`, and `rest`, which is at `first`, of what is below.
+    fn divide(
+        &self,
+        items: &mut [Item],
+        part: &mut Part,
+        rest: &mut [Part],
+        first: u32,
+        levels: u32,
+    ) -> Costs {
+        if let [item] = items {
+            *part = Part { item: *item, count: 1, cuts: [Cut::NONE; WIDTH] };
+            return [item.bounds().half_area(); WIDTH];
+        }
+        let count = items.len();
+        let middle = if levels > 0 { split(items) } else { count / 2 };
+        let levels = levels.saturating_sub(1);
+        let (left, right) = items.split_at_mut(middle);
+        let (halves, rest) = rest.split_at_mut(2);
+        let (a, b) = halves.split_at_mut(1);
+        let below = 2 * (middle - 1);
+        let (below_a, below_b) = rest.split_at_mut(below);
+        let at_a = first + 2;
+        let at_b = at_a + below as u32;
+        let mut divide_a = || self.divide(left, &mut a[0], below_a, at_a, levels);
+        let mut divide_b = || self.divide(right, &mut b[0], below_b, at_b, levels);
+        let costs = if count > PARALLEL { rayon::join(divide_a, divide_b) } else { (divide_a(), divide_b()) };
+        let bounds = a[0].bounds().union(b[0].bounds());
+        let leaf = if count <= self.capacity { bounds.half_area() } else { f32::INFINITY };
+        let (cuts, costs) = cuts([&costs.0, &costs.1], leaf, bounds.half_area());
+        *part = Part { item: Item::new(bounds, first), count: count as u64, cuts };
+        costs
+    }
+}
+
+/// The best cuts of a part and their costs, from the costs of its halves, of a leaf, and of looking into a node.
+fn cuts([left, right]: [&Costs; 2], leaf: f32, node: f32) -> ([Cut; WIDTH], Costs) {
+    let (mut cuts, mut costs) = ([Cut::NONE; WIDTH], [f32::INFINITY; WIDTH]);
+    for (a, left) in left[..WIDTH - 1].iter().enumerate() {
+        for (b, right) in right[..WIDTH - 1 - a].iter().enumerate() {
+            let cost = left + right;
+            if cost < costs[a + b + 1] {
+                (cuts[a + b + 1], costs[a + b + 1]) = (Cut::new(a + 1, b + 1), cost);
+            }
+        }
+    }
+    // The fewest children that cost no more.
+    for i in 2..WIDTH {
+        if costs[i - 1] <= costs[i] {
+            (cuts[i], costs[i]) = (cuts[i - 1], costs[i - 1]);
+        }
+    }
+    let below = costs[WIDTH - 1] + node;
+    (cuts[0], costs[0]) = if leaf <= below { (Cut::NONE, leaf) } else { (cuts[WIDTH - 1], below) };
+    for i in 1..WIDTH {
+        if costs[0] <= costs[i] {
+            (cuts[i], costs[i]) = (Cut::NONE, costs[0]);
+        }
+    }
+    (cuts, costs)
+}
+
+/// Bins along each axis, at most.
+const BINS: usize = 16;
+
+/// What falls into a bin.
+#[derive(Clone, Copy)]
+struct Bin {
+    bounds: Bounds,
+    count: u32,
+}
+
+impl Bin {
+    const EMPTY: Self = Self { bounds: Bounds::EMPTY, count: 0 };
+
+    fn and(self, other: Self) -> Self {
+        Self { bounds: self.bounds.union(other.bounds), count: self.count + other.count }
+    }
+
+    fn cost(self) -> f32 {
+        if self.count == 0 { 0.0 } else { self.bounds.half_area() * self.count as f32 }
+    }
+}
+
+/// By axis.
+type Bins = [[Bin; BINS]; 3];
+
+/// The last bits of a number about as large are those of the integer that it was rounded to: several times as fast as a conversion.
+const INTEGERS: f32 = (1 << 23) as f32;
+
+/// How centres are sorted into bins.
+struct Grid {
+    low: Vec3A,
+    scale: Vec3A,
+    bins: usize,
+}
+
+impl Grid {
+    fn new(items: &[Item]) -> Self {
+        let centres = |items: &[Item]| Bounds::around(items.iter().map(|item| item.centre()));
+        let Bounds { low, high } = if items.len() > PARALLEL {
+            items.par_chunks(PARALLEL).map(centres).reduce(|| Bounds::EMPTY, Bounds::union)
+        } else {
+            centres(items)
+        };
+        let bins = BINS.min(4 + items.len() / 16);
+        // Everything falls into the first bin where there is no extent.
+        let extent = (high - low).max(Vec3A::splat(f32::MIN_POSITIVE));
+        Self { low, scale: Vec3A::splat((bins - 1) as f32) / extent, bins }
+    }
+
+    /// By axis.
+    #[inline]
+    fn bin(&self, item: &Item) -> [usize; 3] {
+        let place = (item.centre() - self.low) * self.scale + Vec3A::splat(INTEGERS);
+        place.to_array().map(|place| place.to_bits() as usize % BINS)
+    }
+
+    /// The same along one axis.
+    #[inline]
+    fn bin_along(&self, axis: usize, item: &Item) -> usize {
+        let centre = item.low.as_ref()[axis] + item.high.as_ref()[axis];
+        let place = (centre - self.low.as_ref()[axis]) * self.scale.as_ref()[axis] + INTEGERS;
+        place.to_bits() as usize % BINS
+    }
+
+    fn fill(&self, items: &[Item]) -> Bins {
+        let mut bins = [[Bin::EMPTY; BINS]; 3];
+        for item in items {
+            for (bins, place) in bins.iter_mut().zip(self.bin(item)) {
+                let Bin { bounds, count } = bins[place];
+                bins[place] = Bin { bounds: bounds.union(item.bounds()), count: count + 1 };
+            }
+        }
+        bins
+    }
+}
+
+/// Brings `items`, of which there are at least two, into an order so that it is best to part them before the one that is returned.
+fn split(items: &mut [Item]) -> usize {
+    let middle = items.len() / 2;
+    if items.len() <= FEW {
+        sort_along_widest(items);
+        return middle;
+    }
+    let grid = Grid::new(items);
+    let bins = if items.len() > PARALLEL {
+        let join = |a: Bins, b: Bins| {
+            std::array::from_fn(|axis| std::array::from_fn(|i| a[axis][i].and(b[axis][i])))
+        };
+        items.par_chunks(PARALLEL).map(|items| grid.fill(items)).reduce(|| [[Bin::EMPTY; BINS]; 3], join)
+    } else {
+        grid.fill(items)
+    };
+    let Some((axis, bin)) = best_plane(&bins, grid.bins) else { return middle };
+    let (mut left, mut right) = (0, items.len());
+    while left < right {
+        if grid.bin_along(axis, &items[left]) < bin {
+            left += 1;
+        } else {
+            right -= 1;
+            items.swap(left, right);
+        }
+    }
+    left
+}
+
+/// So few items are cut in the middle: there are hardly other ways.
+const FEW: usize = 4;
+
+fn sort_along_widest(items: &mut [Item]) {
+    let Bounds { low, high } = Bounds::around(items.iter().map(|item| item.centre()));
+    let axis = (high - low).max_position();
+    items.sort_unstable_by(|a, b| a.centre()[axis].total_cmp(&b.centre()[axis]));
+}
+
+/// The axis, and the first bin on the right; none if everything falls into one.
+fn best_plane(bins: &Bins, count: usize) -> Option<(usize, usize)> {
+    let (mut least, mut best) = (f32::INFINITY, None);
+    for (axis, bins) in bins.iter().enumerate() {
+        let mut right = [Bin::EMPTY; BINS];
+        right[count - 1] = bins[count - 1];
+        for i in (1..count - 1).rev() {
+            right[i] = bins[i].and(right[i + 1]);
+        }
+        let mut left = Bin::EMPTY;
+        for i in 1..count {
+            left = left.and(bins[i - 1]);
+            let cost = left.cost() + right[i].cost();
+            if left.count > 0 && right[i].count > 0 && cost < least {
+                (least, best) = (cost, Some((axis, i)));
+            }
+        }
+    }
+    best
+}
