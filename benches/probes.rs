@@ -7,7 +7,7 @@ use alabaster::diffusion::{NormalizedDiffusion, Profile};
 use alabaster::math::sampler::HashGenerator;
 use alabaster::math::{Frame, SampleStream, warp};
 use alabaster::optics::Boundary;
-use alabaster::plan::{Plan, Request};
+use alabaster::plan::{Abilities, Plan, Request};
 use alabaster::radiometry::Rgb;
 use alabaster::raycast::embree::EmbreeCaster;
 use alabaster::raycast::{Hit, Ray, RayCaster};
@@ -52,7 +52,13 @@ fn points_on(world: &World<EmbreeCaster>, instance: u32) -> Vec<SurfacePoint> {
     let mut point = |i: usize| {
         let place = warp::square_to_triangle(random.next_f32(), random.next_f32());
         let primitive = (i * triangles / POINTS) as u32;
-        world.surface(&Hit { t: 0.0, u: place.x, v: place.y, instance, primitive })
+        world.surface::<{ Abilities::ALL.bits() }>(&Hit {
+            t: 0.0,
+            u: place.x,
+            v: place.y,
+            instance,
+            primitive,
+        })
     };
     (0..POINTS).map(&mut point).collect()
 }
@@ -118,7 +124,7 @@ fn bench_light_sampling(criterion: &mut Criterion, world: &World<EmbreeCaster>, 
         bencher.iter(|| {
             next = (next + 1) % POINTS;
             let u = [random.next_f32(), random.next_f32(), random.next_f32()];
-            black_box(lights.sample(world, &receivers[next], u))
+            black_box(lights.sample::<_, { Abilities::ALL.bits() }>(world, &receivers[next], u))
         });
     });
 }

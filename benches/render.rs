@@ -2,10 +2,13 @@
 
 use std::hint::black_box;
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
+use alabaster::film::Film;
+use alabaster::plan::Forces;
 use alabaster::raycast::embree::EmbreeCaster;
 use alabaster::scene::{Method, ProfileChoice, read_scene};
-use alabaster::transport::{Counters, RenderOptions, Renderer};
+use alabaster::transport::{RenderOptions, Renderer};
 use criterion::{Criterion, Throughput};
 
 /// Side of the picture: a sample of each of its pixels is one iteration, so that every iteration
@@ -13,18 +16,18 @@ use criterion::{Criterion, Throughput};
 const SIDE: u32 = 64;
 
 fn main() {
+    rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global().unwrap();
     let mut criterion = Criterion::default().sample_size(20).configure_from_args();
     let mut group = criterion.benchmark_group("render");
     group.throughput(Throughput::Elements(u64::from(SIDE * SIDE)));
     for name in ["alabaster", "marble-sphere"] {
         let renderer = renderer(name);
-        let mut counters = Counters::default();
+        let mut film = Film::new(SIDE, SIDE).unwrap();
         let mut sample = 0;
         group.bench_function(name, |bencher| {
             bencher.iter(|| {
-                for pixel in 0..SIDE * SIDE {
-                    black_box(renderer.sample(pixel % SIDE, pixel / SIDE, sample, &mut counters));
-                }
+                let one = sample..sample + 1;
+                black_box(renderer.expose(&mut film, one, &AtomicBool::new(false), &|_| ()));
                 sample += 1;
             });
         });
@@ -46,6 +49,7 @@ fn renderer(name: &str) -> Renderer<EmbreeCaster> {
         spheres: true,
         guiding: true,
         similarity: false,
+        forces: Forces::default(),
     };
     Renderer::new(scene, options, |geometry| EmbreeCaster::new(geometry, 1)).unwrap()
 }

@@ -18,7 +18,7 @@ use std::sync::atomic::AtomicBool;
 use alabaster::diffusion::NormalizedDiffusion;
 use alabaster::film::Film;
 use alabaster::math::sampler::HashGenerator;
-use alabaster::plan::{Plan, Request};
+use alabaster::plan::{Abilities, Plan, Request};
 use alabaster::radiometry::Rgb;
 use alabaster::raycast::embree::EmbreeCaster;
 use alabaster::raycast::{Hit, Ray, RayCaster, RaycastError};
@@ -170,7 +170,7 @@ fn planar_profile(row: &Row) -> Statistics {
 }
 
 fn planar_energy_at(world: &World<EmbreeCaster>, hit: &Hit, ray: &Ray, sigma_t: f32, seed: u64) -> f64 {
-    let point = world.surface(hit);
+    let point = world.surface::<{ Abilities::NONE.bits() }>(hit);
     let normal = point.geometric_normal;
     // The profile of a medium without absorption: planar albedo 1, whatever the index.
     let profile = NormalizedDiffusion::from_albedo(1.0, 1.0 / sigma_t);

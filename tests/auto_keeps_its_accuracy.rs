@@ -3,7 +3,7 @@
 
 mod common;
 
-use alabaster::plan::{Plan, PlannedObject, Request};
+use alabaster::plan::{Forces, Plan, PlannedObject, Request};
 use alabaster::radiometry::Rgb;
 use alabaster::scene::{
     Camera, Environment, FilmSettings, Filter, Light, Material, Mesh, Method, ProfileChoice, ScatteringInput,
@@ -123,7 +123,8 @@ fn cases() -> Vec<Case> {
 }
 
 fn planned(scene: &Scene, accuracy: f32) -> PlannedObject {
-    let request = Request { method: Method::Auto, profile: ProfileChoice::Auto, accuracy };
+    let request =
+        Request { method: Method::Auto, profile: ProfileChoice::Auto, accuracy, forces: Forces::default() };
     Plan::new(scene, &request).objects.remove(0)
 }
 

@@ -38,6 +38,7 @@ fn each_object_gets_a_method_and_a_reason() {
     let folder = folder(MORE);
     let plan = folder.run(&["plan", "scene.toml", "--accuracy", "5%", "--json"]).report();
     assert_eq!(plan["effects"][0]["on"], true);
+    // A walk is among the methods.
     assert_eq!(plan["kernel"], "generic");
     assert!((plan["accuracy"].as_f64().unwrap() - 0.05).abs() < 1e-6);
     let objects = plan["objects"].as_array().unwrap();
@@ -107,8 +108,120 @@ fn a_scene_without_scattering_has_an_empty_plan() {
     fs::write(folder.path("scene.toml"), clear).unwrap();
     let plan = folder.run(&["plan", "scene.toml", "--json"]).report();
     assert_eq!((&plan["objects"], &plan["effects"][0]["on"]), (&serde_json::json!([]), &false.into()));
-    assert_eq!(folder.run(&["plan", "scene.toml"]).ends_with(0).0, "no object is translucent\n");
+    assert_eq!(plan["kernel"], "glass");
+    let text = folder.run(&["plan", "scene.toml"]).ends_with(0).0;
+    assert!(text.starts_with("no object is translucent\n") && text.ends_with("kernel: glass\n"), "{text}");
 }
+
+/// The plan with effects forced.
+fn forced(folder: &Folder, forces: &[&str]) -> serde_json::Value {
+    let forces = forces.iter().flat_map(|force| ["--force", force]);
+    folder.run(&["plan", "scene.toml", "--json"].into_iter().chain(forces).collect::<Vec<_>>()).report()
+}
+
+fn effect<'a>(plan: &'a serde_json::Value, name: &str) -> &'a serde_json::Value {
+    plan["effects"].as_array().unwrap().iter().find(|effect| effect["name"] == name).unwrap()
+}
+
+#[test]
+fn effects_are_switched() {
+    let folder = folder("");
+    let plan = forced(&folder, &["subsurface-scattering=off", "refraction=off"]);
+    assert_eq!(plan["objects"][0]["method"], "diffuse");
+    for name in ["subsurface scattering", "refraction"] {
+        assert_eq!(
+            (&effect(&plan, name)["on"], &effect(&plan, name)["reason"]),
+            (&false.into(), &"switched off".into())
+        );
+    }
+    let plan = forced(&folder, &["random walk=on", "lens=off"]);
+    assert_eq!(plan["objects"][0]["method"], "walk");
+    assert_eq!(effect(&plan, "random walk")["on"], true);
+    // The method asked for gives way.
+    let plan = forced(&folder, &["random_walk=off", "Area-Integral=on"]);
+    assert_eq!((&plan["objects"][0]["method"], &plan["kernel"]), (&"bssrdf".into(), &"subsurface".into()));
+    let plan = forced(&folder, &["area-integral=on", "normal-maps=on"]);
+    assert_eq!(plan["kernel"], "textured subsurface");
+    assert_eq!(effect(&plan, "normal maps")["reason"], "switched on; no material has a normal map");
+    let plan = forced(&folder, &["environment=off", "rough-surfaces=off", "colours-of-mean-free-paths=off"]);
+    for name in ["environment", "rough surfaces", "colours of mean free paths"] {
+        assert_eq!(effect(&plan, name)["on"], false, "{name}");
+    }
+    assert_eq!(plan["objects"][0]["thickness"][0], plan["objects"][0]["thickness"][2]);
+}
+
+#[test]
+fn what_is_forced_is_rendered_and_kept_in_the_picture() {
+    let folder = folder("");
+    let render = |name: &str, forces: &[&str]| {
+        let forces = forces.iter().flat_map(|force| ["--force", force]);
+        let size = ["--width", "8", "--height", "8", "--spp", "1", "--method", "bssrdf", "--json"];
+        let arguments = ["render", "scene.toml", "-o", name].into_iter().chain(size).chain(forces);
+        let made = folder.run(&arguments.collect::<Vec<_>>()).report();
+        let image = exr::prelude::read_all_flat_layers_from_file(folder.path(name)).unwrap();
+        let layer = &image.layer_data[0];
+        let values: Vec<Vec<f32>> = layer
+            .channel_data
+            .list
+            .iter()
+            .map(|channel| channel.sample_data.values_as_f32().collect())
+            .collect();
+        let (_, plan) = layer.attributes.other.iter().find(|(key, _)| *key == "alabaster.plan").unwrap();
+        let plan: serde_json::Value = serde_json::from_str(&plan.to_text().unwrap().to_string()).unwrap();
+        assert_eq!(plan["kernel"], made["kernel"]);
+        (values, plan)
+    };
+    let (plain, plan) = render("plain.exr", &[]);
+    assert_eq!(plan["kernel"], "subsurface");
+    let (kept, plan) = render("kept.exr", &["nested-media=on"]);
+    assert_eq!(plan["kernel"], "generic");
+    assert_eq!(plain, kept, "the same bits");
+    let (dark, plan) = render("dark.exr", &["environment=off"]);
+    assert_eq!(effect(&plan, "environment")["on"], false);
+    assert!(dark.iter().flatten().all(|&value| value == 0.0));
+    let (diffuse, plan) = render("diffuse.exr", &["subsurface-scattering=off"]);
+    assert_eq!(plan["objects"][0]["method"], "diffuse");
+    assert_ne!(plain, diffuse);
+}
+
+#[test]
+fn wishes_that_cannot_be_met_are_refused() {
+    let folder = folder("");
+    for (forces, part) in [
+        (vec!["lens=on"], "give the camera an `aperture`"),
+        (vec!["lights-without-size=on"], "add a light of type \"point\""),
+        (vec!["dispersion=on"], "dispersion is not rendered"),
+        (vec!["glow=on"], "there is no effect \"glow\"; the effects are subsurface-scattering,"),
+        (vec!["lens"], "lens=off"),
+        (vec!["lens=maybe"], "not \"maybe\""),
+        (
+            vec!["refraction=on", "refraction=off"],
+            "`refraction=on` and `refraction=off` contradict each other",
+        ),
+        (vec!["random-walk=on", "area-integral=on"], "contradict each other"),
+        (vec!["random-walk=on", "subsurface-scattering=off"], "contradict each other"),
+    ] {
+        let forces: Vec<&str> = forces.into_iter().flat_map(|force| ["--force", force]).collect();
+        folder.refuses(&[&["plan", "scene.toml"], forces.as_slice()].concat(), 2, part);
+        folder.refuses(&[&["render", "scene.toml", "-o", "a.exr"], forces.as_slice()].concat(), 2, part);
+    }
+    let clear = SCENE.replace("sigma_s = [2190, 2620, 3000]", "sigma_s = 0");
+    fs::write(folder.path("scene.toml"), clear).unwrap();
+    for effect in ["random-walk=on", "area-integral=on", "subsurface-scattering=on"] {
+        folder.refuses(&["plan", "scene.toml", "--force", effect], 2, "give an object a material of type");
+    }
+    fs::write(folder.path("scene.toml"), format!("{SCENE}{NESTED}")).unwrap();
+    folder.refuses(&["plan", "scene.toml", "--force", "nested-media=off"], 2, "move the bodies apart");
+}
+
+const NESTED: &str = r#"
+[[object]]
+name = "shell"
+shape = "sphere"
+center = [0.5, 0, 0]
+radius = 1
+material = "marble"
+"#;
 
 #[test]
 fn methods_of_one_material_are_mixed_and_reported() {

@@ -8,6 +8,7 @@ use thiserror::Error;
 use super::console::say;
 use crate::film::FilmError;
 use crate::film::output::OutputError;
+use crate::plan::ForceError;
 use crate::scene::SceneError;
 use crate::transport::RenderError;
 
@@ -105,10 +106,19 @@ impl From<FilmError> for CliError {
     }
 }
 
+impl From<ForceError> for CliError {
+    fn from(error: ForceError) -> Self {
+        Self::input(format!("--force: {error}"))
+    }
+}
+
 impl From<RenderError> for CliError {
     fn from(error: RenderError) -> Self {
         match error {
-            RenderError::Unavailable { .. } | RenderError::Scatterer(_) => Self::input(error),
+            RenderError::Unavailable { .. } | RenderError::Scatterer(_) | RenderError::LeftOut => {
+                Self::input(error)
+            }
+            RenderError::Force(error) => error.into(),
             RenderError::Raycast(_) => Self::machine(error),
         }
     }

@@ -8,6 +8,7 @@ mod compare;
 mod compare_report;
 mod console;
 mod error;
+mod force;
 mod materials;
 mod photon_progress;
 mod plan;

@@ -8,9 +8,10 @@ use serde_json::{Value, json};
 use super::choice::SubsurfaceArgs;
 use super::console::{print_line, say};
 use super::error::CliError;
+use super::force::ForceArgs;
 use crate::plan::effects::Effect;
 use crate::plan::{Plan, PlannedObject, Request};
-use crate::scene::{Method, SubsurfaceSettings, read_scene};
+use crate::scene::{Method, SubsurfaceSettings};
 
 /// Arguments of `plan`.
 #[derive(Args)]
@@ -22,6 +23,8 @@ pub struct PlanArgs {
     height: Option<u32>,
     #[command(flatten)]
     subsurface: SubsurfaceArgs,
+    #[command(flatten)]
+    force: ForceArgs,
     /// Print the plan as JSON
     #[arg(long)]
     json: bool,
@@ -29,43 +32,92 @@ pub struct PlanArgs {
 
 /// Says what rendering the scene would do.
 pub fn run(args: &PlanArgs) -> Result<(), CliError> {
-    let mut scene = read_scene(&args.scene)?;
+    let forces = args.force.forces()?;
+    let mut scene = args.force.read_scene(&args.scene)?;
     scene.warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
     scene.film.height = args.height.unwrap_or(scene.film.height);
     args.subsurface.override_in(&mut scene.subsurface);
-    let plan = Plan::new(&scene, &Request::from(&scene.subsurface));
+    let request = Request { forces, ..Request::from(&scene.subsurface) };
+    let plan = Plan::prepare(&mut scene, &request)?;
     if args.json {
         return print_line(&as_json(&plan, &scene.subsurface).to_string());
     }
-    print_line(&format!("{}\n\n{}", as_text(&plan), effects_as_text(&plan.effects)))
+    let kernel = format!("kernel: {}", plan.kernel.name());
+    let parts = [objects_as_text(&plan), dropped_as_text(&plan), effects_as_text(&plan.effects), kernel];
+    let parts: Vec<String> = parts.into_iter().filter(|part| !part.is_empty()).collect();
+    print_line(&parts.join("\n\n"))
 }
 
-/// What is to be done, and what is left out. There is one kernel, which branches at what a scene has.
+/// What is to be done, and what is left out.
 pub fn as_json(plan: &Plan, settings: &SubsurfaceSettings) -> Value {
     let effects: Vec<_> = plan
         .effects
         .iter()
-        .map(|effect| json!({ "name": effect.name, "on": effect.on, "reason": effect.reason }))
+        .map(|effect| json!({ "name": effect.kind.name(), "on": effect.on, "reason": effect.reason }))
         .collect();
     json!({
         "method": settings.method.name(),
         "accuracy": f64::from(settings.accuracy),
         "effects": effects,
-        "kernel": "generic",
-        "dropped": plan.objects.iter().filter_map(dropped).collect::<Vec<_>>(),
+        "kernel": plan.kernel.name(),
+        "dropped": plan.objects.iter().filter_map(dropped).map(|dropped| dropped.as_json()).collect::<Vec<_>>(),
         "objects": plan.objects.iter().map(object_as_json).collect::<Vec<_>>(),
     })
 }
 
-/// What the method of an object leaves out, and how large an error is expected of that; `null` where it is not known.
-fn dropped(planned: &PlannedObject) -> Option<Value> {
-    let name = match planned.method {
-        Method::Diffuse => "distance between entry and exit",
-        Method::Bssrdf => "shape of the body under the surface",
+/// What is left out of the transport in an object because the error that makes is bounded.
+struct Dropped<'a> {
+    /// What is left out.
+    name: &'static str,
+    /// Relative error to be expected of that; `None` where it is not known.
+    bound: Option<f64>,
+    object: &'a PlannedObject,
+    /// What puts it back in.
+    switch: &'static str,
+}
+
+/// What the method of an object leaves out: the way under the surface, where it ends within what a pixel shows or the surface is all that is
+/// asked for, or the shape of the body.
+fn dropped(planned: &PlannedObject) -> Option<Dropped<'_>> {
+    let (name, switch) = match planned.method {
+        Method::Diffuse => ("distance between entry and exit", "area-integral=on"),
+        Method::Bssrdf => ("shape of the body under the surface", "random-walk=on"),
+        // Exact: what is dropped is the half-space that stands for the body elsewhere.
         Method::Walk | Method::Auto => return None,
     };
-    let bound = planned.expected.of(planned.method);
-    Some(json!({ "name": name, "object": planned.object, "bound": bound, "reason": planned.reason }))
+    Some(Dropped { name, bound: planned.expected.of(planned.method), object: planned, switch })
+}
+
+impl Dropped<'_> {
+    fn as_json(&self) -> Value {
+        json!({
+            "name": self.name,
+            "object": self.object.object,
+            "bound": self.bound,
+            "reason": self.object.reason,
+            "switch": format!("--force {}", self.switch),
+        })
+    }
+
+    fn as_text(&self) -> String {
+        let bound = match self.bound {
+            Some(bound) => format!("expected error {:.1} %", 100.0 * bound),
+            None => "error not known".into(),
+        };
+        let [r, g, b] = self.object.exit_distance.map(|distance| significant(1000.0 * distance));
+        format!(
+            "dropped: {} in {}: {bound}; light comes out {r} {g} {b} mm from where it went in, a pixel shows {} mm; \
+             --force {} keeps it",
+            self.name,
+            self.object.object,
+            significant(1000.0 * self.object.pixel_footprint),
+            self.switch,
+        )
+    }
+}
+
+fn dropped_as_text(plan: &Plan) -> String {
+    plan.objects.iter().filter_map(dropped).map(|dropped| dropped.as_text()).collect::<Vec<_>>().join("\n")
 }
 
 fn object_as_json(planned: &PlannedObject) -> Value {
@@ -91,7 +143,7 @@ fn object_as_json(planned: &PlannedObject) -> Value {
 }
 
 /// A table of the objects, and the reason for each below.
-fn as_text(plan: &Plan) -> String {
+fn objects_as_text(plan: &Plan) -> String {
     if plan.objects.is_empty() {
         return "no object is translucent".into();
     }
@@ -122,12 +174,12 @@ fn as_text(plan: &Plan) -> String {
     [heading].into_iter().chain(rows).collect::<Vec<_>>().join("\n")
 }
 
-/// A line for each effect: those that the scene calls for first.
+/// A line for each effect, by the name that `--force` knows: those that are on first.
 fn effects_as_text(effects: &[Effect]) -> String {
-    let width = effects.iter().map(|effect| effect.name.len()).max().unwrap_or(0);
+    let width = effects.iter().map(|effect| effect.kind.name().len()).max().unwrap_or(0);
     let line = |effect: &Effect| {
         let state = if effect.on { "on" } else { "off" };
-        format!("{:width$}  {state:3}  {}", effect.name, effect.reason)
+        format!("{:width$}  {state:3}  {}", effect.kind.word(), effect.reason)
     };
     let (on, off): (Vec<_>, Vec<_>) = effects.iter().partition(|effect| effect.on);
     [format!("{:width$}", "effect")]

@@ -10,6 +10,7 @@ use super::backend::{RayWork, run_on};
 use super::choice::{LayerChoice, SubsurfaceArgs, ViewChoice, finite, named, positive};
 use super::console::{print_line, say};
 use super::error::CliError;
+use super::force::ForceArgs;
 use super::plan;
 use super::progress::Progress;
 use super::report::{MadeBy, MethodOf, Report};
@@ -23,7 +24,7 @@ use crate::film::output::{Format, check_writable, replace};
 use crate::film::schedule::{Limits, Status};
 use crate::film::{Film, exr, png};
 use crate::raycast::{Backend, Geometry, RayCaster, RaycastError};
-use crate::scene::{Scene, read_scene};
+use crate::scene::Scene;
 use crate::transport::{Counters, RenderOptions, Renderer};
 
 /// Arguments of `render`.
@@ -54,6 +55,8 @@ pub struct RenderArgs {
     /// Let walks take isotropic scattering for anisotropic far from surfaces: faster, an approximation [default: the scene's]
     #[arg(long)]
     similarity: bool,
+    #[command(flatten)]
+    force: ForceArgs,
     /// What casts the rays
     #[arg(long, value_parser = named(Backend::NAMES), default_value = Backend::default().name())]
     backend: Backend,
@@ -99,7 +102,7 @@ struct Render<'a> {
 impl RayWork for Render<'_> {
     fn run<C: RayCaster>(self, build: impl Fn(&Geometry) -> Result<C, RaycastError>) -> Result<(), CliError> {
         let Self { args, scene } = self;
-        let options = RenderOptions::of(&scene, args.seed);
+        let options = RenderOptions { forces: args.force.forces()?, ..RenderOptions::of(&scene, args.seed) };
         let film = Film::new(scene.film.width, scene.film.height)?;
         let renderer = Renderer::new(scene, options, build)?;
         renderer.warnings().iter().for_each(|warning| say(&format!("warning: {warning}")));
@@ -108,7 +111,7 @@ impl RayWork for Render<'_> {
 }
 
 fn scene_with_overrides(args: &RenderArgs) -> Result<Scene, CliError> {
-    let mut scene = read_scene(&args.scene)?;
+    let mut scene = args.force.read_scene(&args.scene)?;
     scene.film.width = args.width.unwrap_or(scene.film.width);
     scene.film.height = args.height.unwrap_or(scene.film.height);
     args.subsurface.override_in(&mut scene.subsurface);
@@ -116,12 +119,12 @@ fn scene_with_overrides(args: &RenderArgs) -> Result<Scene, CliError> {
     Ok(scene)
 }
 
-/// Backend, methods and profiles in use.
+/// Backend, kernel, methods and profiles in use.
 fn made_by<C: RayCaster>(args: &RenderArgs, renderer: &Renderer<C>) -> MadeBy {
     let method = renderer.scene().subsurface.method.name();
     let methods = renderer.plan().objects.iter().map(MethodOf::new).collect();
     let profiles = renderer.profiles().into_iter().map(ProfileKind::name).collect();
-    MadeBy { backend: args.backend.name(), method, methods, profiles }
+    MadeBy { backend: args.backend.name(), kernel: renderer.kernel().name(), method, methods, profiles }
 }
 
 fn limits(args: &RenderArgs, scene: &Scene) -> Limits {
@@ -176,18 +179,12 @@ fn render<C: RayCaster>(
     while let Some(pass) = limits.next_pass(&status) {
         // The first pass is done whatever it takes, so that every pixel has a sample.
         let deadline = limits.seconds.filter(|_| status.samples > 0).unwrap_or(f64::INFINITY);
-        let counted = film.accumulate(
-            status.samples..status.samples + pass,
-            |x, y, sample, counters: &mut Counters| renderer.sample(x, y, sample, counters),
-            |total, counters| total.merge(&counters),
-            &stop.now,
-            |added| {
-                progress.advance(added);
-                if progress.seconds() >= deadline {
-                    stop.now.store(true, Ordering::Relaxed);
-                }
-            },
-        );
+        let counted = renderer.expose(film, status.samples..status.samples + pass, &stop.now, &|added| {
+            progress.advance(added);
+            if progress.seconds() >= deadline {
+                stop.now.store(true, Ordering::Relaxed);
+            }
+        });
         counters.merge(&counted);
         if stop.now.load(Ordering::Relaxed) {
             break;

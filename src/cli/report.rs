@@ -30,6 +30,7 @@ pub struct Report {
     samples_per_second: f64,
     threads: usize,
     backend: &'static str,
+    kernel: &'static str,
     /// What was asked for.
     method: &'static str,
     methods: Vec<MethodOf>,
@@ -83,6 +84,8 @@ impl MethodOf {
 pub struct MadeBy {
     /// What cast the rays.
     pub backend: &'static str,
+    /// What took the samples.
+    pub kernel: &'static str,
     /// How light under surfaces was to be computed.
     pub method: &'static str,
     /// How it was, by object.
@@ -105,6 +108,7 @@ impl Report {
             samples_per_second: tally.taken as f64 / seconds.max(1e-9),
             threads: rayon::current_num_threads(),
             backend: made_by.backend,
+            kernel: made_by.kernel,
             method: made_by.method,
             methods: made_by.methods,
             profiles: made_by.profiles,

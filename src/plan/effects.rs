@@ -6,6 +6,8 @@
 use glam::Vec3;
 
 use super::PlannedObject;
+use super::effect_kind::EffectKind;
+use super::force::Forces;
 use crate::optics::is_smooth;
 use crate::scene::material::Coverage;
 use crate::scene::{Environment, Instance, Light, Material, Method, ScatteringInput, Scene, Surface};
@@ -13,9 +15,9 @@ use crate::scene::{Environment, Instance, Light, Material, Method, ScatteringInp
 /// An effect and whether the scene calls for it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Effect {
-    /// Its name, in reports.
-    pub name: &'static str,
-    /// True if the scene calls for it.
+    /// Which one.
+    pub kind: EffectKind,
+    /// True if the scene calls for it, or the user.
     pub on: bool,
     /// What calls for it, or that nothing does.
     pub reason: String,
@@ -24,70 +26,90 @@ pub struct Effect {
 /// What a material has that calls for an effect, in words.
 type Cause = fn(&Material) -> Option<String>;
 
-/// Effects that materials call for: name, cause, and what is said if no material does.
-const OF_MATERIALS: [(&str, Cause, &str); 11] = [
-    ("subsurface scattering", scattering, "no material scatters inside"),
-    ("refraction", refraction, "no material has an index of refraction other than 1"),
-    ("rough surfaces", roughness, "every surface is perfectly smooth or diffuse"),
-    ("absorption", absorption, "no clear body absorbs"),
-    ("anisotropic scattering", anisotropy, "every medium scatters alike in all directions"),
-    ("colours of mean free paths", unequal_channels, "all channels have the same mean free path"),
-    ("textured coefficients", textured_coefficients, "no medium has a texture"),
-    ("textures", textures, "no material has a texture"),
-    ("normal maps", normal_map, "no material has a normal map"),
-    ("partial coverage", coverage, "every surface is there everywhere"),
-    ("dispersion", dispersion, "no material has an Abbe number"),
-];
-
-/// All effects there are, each on or off in `scene`, whose translucent bodies are rendered as `objects` says.
-pub fn effects(scene: &Scene, objects: &[PlannedObject]) -> Vec<Effect> {
-    let of_material = |(name, cause, without): (&'static str, Cause, &str)| {
-        let users = (0..scene.instances.len()).filter_map(|instance| {
-            let placed = &scene.instances[instance];
-            let is_there = !scene.meshes[placed.mesh].triangles.is_empty();
-            let material = &scene.materials[placed.material];
-            let cause = is_there.then(|| cause(material)).flatten()?;
-            Some(format!(
-                "{} of {} {cause}",
-                quoted("material", &material.name),
-                quoted("object", &placed.name)
-            ))
-        });
-        effect(name, users, without)
-    };
-    let [scattering, others @ ..] = OF_MATERIALS.map(of_material);
-    let of_method = |name, method: Method, without| {
-        let users = objects.iter().filter(|object| object.method == method);
-        effect(name, users.map(|o| format!("{}: {}", quoted("object", &o.object), o.reason)), without)
-    };
-    let mut effects = vec![
-        scattering,
-        of_method("area integral", Method::Bssrdf, "no object is rendered by bssrdf"),
-        of_method("random walk", Method::Walk, "no object is rendered by walk"),
-    ];
-    effects.extend(others);
-    effects.extend([
-        nested_media(scene),
-        area_lights(scene),
-        delta_lights(scene),
-        environment(scene),
-        lens(scene),
-    ]);
-    effects
+/// What an effect is called for by, and what is said if nothing does.
+enum Caller {
+    Material(Cause, &'static str),
+    /// Objects that get a method.
+    Method(Method, &'static str),
+    Scene(fn(&Scene) -> Option<String>, &'static str),
 }
 
-/// On if there is a user, of which the first is named.
-fn effect(name: &'static str, mut users: impl Iterator<Item = String>, without: &str) -> Effect {
-    match users.next() {
-        None => Effect { name, on: false, reason: without.into() },
-        Some(first) => {
-            let reason = match users.count() {
-                0 => first,
-                more => format!("{first}, and {more} more"),
-            };
-            Effect { name, on: true, reason }
+/// What calls for an effect.
+fn caller(kind: EffectKind) -> Caller {
+    use Caller::{Material, Method as OfMethod, Scene};
+    match kind {
+        EffectKind::SubsurfaceScattering => Material(scattering, "no material scatters inside"),
+        EffectKind::AreaIntegral => OfMethod(Method::Bssrdf, "no object is rendered by bssrdf"),
+        EffectKind::RandomWalk => OfMethod(Method::Walk, "no object is rendered by walk"),
+        EffectKind::Refraction => Material(refraction, "no material has an index of refraction other than 1"),
+        EffectKind::RoughSurfaces => Material(roughness, "every surface is perfectly smooth or diffuse"),
+        EffectKind::Absorption => Material(absorption, "no clear body absorbs"),
+        EffectKind::AnisotropicScattering => {
+            Material(anisotropy, "every medium scatters alike in all directions")
         }
+        EffectKind::ColoursOfMeanFreePaths => {
+            Material(unequal_channels, "all channels have the same mean free path")
+        }
+        EffectKind::TexturedCoefficients => Material(textured_coefficients, "no medium has a texture"),
+        EffectKind::Textures => Material(textures, "no material has a texture"),
+        EffectKind::NormalMaps => Material(normal_map, "no material has a normal map"),
+        EffectKind::PartialCoverage => Material(coverage, "every surface is there everywhere"),
+        EffectKind::Dispersion => Material(dispersion, "no material has an Abbe number"),
+        EffectKind::NestedMedia => {
+            Scene(nested_media, "no two bodies that light enters are close to each other")
+        }
+        EffectKind::AreaLights => Scene(area_lights, "nothing that has a size shines"),
+        EffectKind::LightsWithoutSize => Scene(delta_lights, "every light has a size"),
+        EffectKind::Environment => Scene(environment, "no light comes from far around"),
+        EffectKind::Lens => Scene(lens, "the camera is a pinhole"),
     }
+}
+
+/// All effects there are, each on or off in `scene`, folded, whose translucent bodies are rendered as `objects` says.
+pub fn effects(scene: &Scene, objects: &[PlannedObject], forces: &Forces) -> Vec<Effect> {
+    let effect = |kind| {
+        let (cause, without) = match caller(kind) {
+            Caller::Material(cause, without) => (users(scene, cause), without),
+            Caller::Method(method, without) => (rendered_by(objects, method), without),
+            Caller::Scene(cause, without) => (cause(scene), without),
+        };
+        let reason = cause.as_ref().map_or(without.to_string(), String::clone);
+        match cause.is_some() {
+            _ if forces.is_off(kind) => Effect { kind, on: false, reason: "switched off".into() },
+            false if forces.is_on(kind) => {
+                Effect { kind, on: true, reason: format!("switched on; {reason}") }
+            }
+            true if kind == EffectKind::Dispersion => {
+                Effect { kind, on: false, reason: format!("{reason}, but it is not rendered") }
+            }
+            on => Effect { kind, on, reason },
+        }
+    };
+    EffectKind::ALL.map(effect).into()
+}
+
+/// The placed materials that have `cause`.
+fn users(scene: &Scene, cause: Cause) -> Option<String> {
+    first_of(scene.instances.iter().filter_map(|placed| {
+        let is_there = !scene.meshes[placed.mesh].triangles.is_empty();
+        let material = &scene.materials[placed.material];
+        let cause = is_there.then(|| cause(material)).flatten()?;
+        Some(format!("{} of {} {cause}", quoted("material", &material.name), quoted("object", &placed.name)))
+    }))
+}
+
+fn rendered_by(objects: &[PlannedObject], method: Method) -> Option<String> {
+    let users = objects.iter().filter(|object| object.method == method);
+    first_of(users.map(|object| format!("{}: {}", quoted("object", &object.object), object.reason)))
+}
+
+/// The first, and how many more there are.
+fn first_of(mut users: impl Iterator<Item = String>) -> Option<String> {
+    let first = users.next()?;
+    Some(match users.count() {
+        0 => first,
+        more => format!("{first}, and {more} more"),
+    })
 }
 
 fn quoted(kind: &str, name: &str) -> String {
@@ -160,7 +182,7 @@ fn textured_coefficients(material: &Material) -> Option<String> {
 
 fn textures(material: &Material) -> Option<String> {
     match material.textures().len() {
-        0 => None,
+        0 => material.varies().then(|| "is coloured by vertices".into()),
         1 => Some("has a texture".into()),
         count => Some(format!("has {count} textures")),
     }
@@ -189,19 +211,15 @@ fn dispersion(material: &Material) -> Option<String> {
 
 /// True if light goes on inside.
 fn is_body(material: &Material) -> bool {
-    match &material.surface {
-        Surface::Dielectric { .. } | Surface::Translucent { .. } => true,
-        Surface::MetallicRoughness(m) => m.transmission.factor > 0.0 && !m.thin,
-        _ => false,
-    }
+    matches!(material.surface, Surface::Translucent { .. }) || material.surface.is_clear_body()
 }
 
 /// Bodies whose boxes overlap may be one inside the other.
-fn nested_media(scene: &Scene) -> Effect {
+fn nested_media(scene: &Scene) -> Option<String> {
     let bodies: Vec<_> =
         scene.instances.iter().filter(|placed| is_body(&scene.materials[placed.material])).collect();
     let bounds: Vec<_> = bodies.iter().map(|placed| bounds(scene, placed)).collect();
-    let pairs = (0..bodies.len()).flat_map(|i| (0..i).map(move |j| (j, i))).filter_map(|(j, i)| {
+    let mut pairs = (0..bodies.len()).flat_map(|i| (0..i).map(move |j| (j, i))).filter_map(|(j, i)| {
         let ([a_low, a_high], [b_low, b_high]) = (bounds[j], bounds[i]);
         let overlap = a_low.cmple(b_high).all() && b_low.cmple(a_high).all();
         overlap.then(|| {
@@ -212,7 +230,7 @@ fn nested_media(scene: &Scene) -> Effect {
             )
         })
     });
-    effect("nested media", pairs.take(1), "no two bodies that light enters are close to each other")
+    pairs.next()
 }
 
 /// Lowest and highest corner of the box around a placed mesh; of nothing, a box that overlaps with none.
@@ -224,7 +242,7 @@ fn bounds(scene: &Scene, placed: &Instance) -> [Vec3; 2] {
         .fold([Vec3::INFINITY, Vec3::NEG_INFINITY], join)
 }
 
-fn area_lights(scene: &Scene) -> Effect {
+fn area_lights(scene: &Scene) -> Option<String> {
     let lights =
         scene.lights.iter().filter(|light| light.has_size()).map(|_| "a light has a size".to_string());
     let shining = scene.instances.iter().filter(|placed| {
@@ -232,10 +250,10 @@ fn area_lights(scene: &Scene) -> Effect {
             && !scene.meshes[placed.mesh].triangles.is_empty()
     });
     let shining = shining.map(|placed| format!("{} shines", quoted("object", &placed.name)));
-    effect("area lights", shining.chain(lights), "nothing that has a size shines")
+    first_of(shining.chain(lights))
 }
 
-fn delta_lights(scene: &Scene) -> Effect {
+fn delta_lights(scene: &Scene) -> Option<String> {
     let kind = |light: &Light| match light {
         Light::Point { .. } => Some("there is a point light"),
         Light::Spot { .. } => Some("there is a spot"),
@@ -243,20 +261,19 @@ fn delta_lights(scene: &Scene) -> Effect {
         Light::Quad { .. } | Light::Disk { .. } | Light::Sphere { .. } => None,
     };
     let lights = scene.lights.iter().filter_map(kind).map(String::from);
-    effect("lights without size", lights, "every light has a size")
+    first_of(lights)
 }
 
-fn environment(scene: &Scene) -> Effect {
+fn environment(scene: &Scene) -> Option<String> {
     let cause = match &scene.environment {
         Some(Environment::Constant(radiance)) if !radiance.is_black() => Some("there is light all around"),
         Some(Environment::Map { .. }) => Some("there is an environment map"),
         _ => None,
     };
-    effect("environment", cause.map(String::from).into_iter(), "no light comes from far around")
+    cause.map(String::from)
 }
 
-fn lens(scene: &Scene) -> Effect {
+fn lens(scene: &Scene) -> Option<String> {
     let aperture = scene.camera.aperture;
-    let cause = (aperture > 0.0).then(|| format!("the lens is {} mm wide", 1000.0 * aperture));
-    effect("lens", cause.into_iter(), "the camera is a pinhole")
+    (aperture > 0.0).then(|| format!("the lens is {} mm wide", 1000.0 * aperture))
 }

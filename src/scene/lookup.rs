@@ -23,6 +23,7 @@ impl Image {
         match &self.pixels {
             Pixels::Rgba8(pixels) => decode8(pixels[index], srgb),
             Pixels::Rgba16(pixels) => decode16(pixels[index], srgb),
+            Pixels::Encoded(_) => [1.0; 4],
         }
     }
 }

@@ -31,6 +31,14 @@ impl Material {
 
     /// Calls `visit` with every texture index in the material.
     pub fn for_each_texture_mut(&mut self, mut visit: impl FnMut(&mut usize)) {
+        let (colors, scalars) = self.inputs_mut();
+        colors.into_iter().filter_map(|input| input.texture.as_mut()).for_each(&mut visit);
+        scalars.into_iter().filter_map(|input| input.texture.as_mut()).for_each(|(t, _)| visit(t));
+        self.normal_map.iter_mut().for_each(|(texture, _)| visit(texture));
+    }
+
+    /// Every colour and every number of the material that may vary over the surface.
+    pub fn inputs_mut(&mut self) -> (Vec<&mut ColorInput>, Vec<&mut ScalarInput>) {
         let mut colors = vec![&mut self.emission];
         let mut scalars = Vec::new();
         match &mut self.coverage {
@@ -61,9 +69,15 @@ impl Material {
             }
             Surface::Translucent { medium: ScatteringInput::Coefficients { .. }, .. } => {}
         }
-        colors.into_iter().filter_map(|input| input.texture.as_mut()).for_each(&mut visit);
-        scalars.into_iter().filter_map(|input| input.texture.as_mut()).for_each(|(t, _)| visit(t));
-        self.normal_map.iter_mut().for_each(|(texture, _)| visit(texture));
+        (colors, scalars)
+    }
+
+    /// True if anything of it varies over the surface.
+    pub fn varies(&self) -> bool {
+        let mut material = self.clone();
+        let (colors, scalars) = material.inputs_mut();
+        let varies = colors.iter().any(|input| input.varies()) || scalars.iter().any(|input| input.varies());
+        varies || self.normal_map.is_some()
     }
 
     /// The base colour of a material read from glTF, whatever surface it became; `None` if there is none.
@@ -149,6 +163,19 @@ pub enum Surface {
         /// What is inside.
         medium: ScatteringInput,
     },
+}
+
+impl Surface {
+    /// True if light goes on unscattered in a body behind it.
+    pub fn is_clear_body(&self) -> bool {
+        match self {
+            Self::Dielectric { .. } => true,
+            Self::MetallicRoughness(m) => {
+                !m.thin && (m.transmission.factor > 0.0 || m.transmission.texture.is_some())
+            }
+            _ => false,
+        }
+    }
 }
 
 impl Default for Surface {

@@ -25,7 +25,7 @@ pub use gltf::{GltfScene, read_gltf};
 pub use light::{Environment, Light};
 pub use material::{Material, ScatteringInput, Surface};
 pub use mesh::{Instance, Mesh};
-pub use read::read_scene;
+pub use read::{read_scene, read_scene_with};
 pub use settings::{
     ColorMode, FilmSettings, Filter, Method, ProfileChoice, RenderSettings, SubsurfaceSettings,
 };

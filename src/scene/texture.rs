@@ -1,5 +1,7 @@
 //! Images, textures, and inputs that are a constant or textured.
 
+use std::path::PathBuf;
+
 use glam::Affine2;
 
 use crate::radiometry::Rgb;
@@ -25,6 +27,19 @@ pub enum Pixels {
     Rgba8(Vec<[u8; 4]>),
     /// 16 bits per channel RGBA.
     Rgba16(Vec<[u16; 4]>),
+    /// Not decoded, because nothing needs it: it counts as white.
+    Encoded(EncodedImage),
+}
+
+/// A file in memory.
+#[derive(Clone, Debug)]
+pub struct EncodedImage {
+    /// PNG, JPEG or WebP.
+    pub bytes: Vec<u8>,
+    /// What it was read from, for messages.
+    pub file: PathBuf,
+    /// Where in that file, for messages.
+    pub place: String,
 }
 
 /// How coordinates outside [0, 1] are brought back.
@@ -74,6 +89,11 @@ impl ColorInput {
     pub const fn constant(factor: Rgb) -> Self {
         Self { factor, texture: None, vertex_color: false }
     }
+
+    /// True if it may differ from point to point.
+    pub const fn varies(&self) -> bool {
+        self.texture.is_some() || self.vertex_color
+    }
 }
 
 /// A number: a constant, times one channel of a texture (and the vertex alpha where wanted).
@@ -91,5 +111,10 @@ impl ScalarInput {
     /// The same everywhere.
     pub const fn constant(factor: f32) -> Self {
         Self { factor, texture: None, vertex_alpha: false }
+    }
+
+    /// True if it may differ from point to point.
+    pub const fn varies(&self) -> bool {
+        self.texture.is_some() || self.vertex_alpha
     }
 }

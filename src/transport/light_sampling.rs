@@ -5,6 +5,7 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
 use super::light_choice::{LightChoice, Reach, Receiver};
+use super::shading::color;
 use super::substance::Substance;
 use super::world::{SurfacePoint, World};
 use crate::math::distribution::{Discrete, Piecewise2d};
@@ -83,8 +84,14 @@ impl LightSampler {
         Self { emitters, choice, of_light, of_instance, of_environment }
     }
 
+    /// How many emitters there are to draw from.
+    pub fn emitter_count(&self) -> usize {
+        self.emitters.len()
+    }
+
     /// Draws light for `receiver`; `u[0]` chooses the emitter, the others the point on it.
-    pub fn sample<C: RayCaster>(
+    /// `CAN` is what the kernel that asks has code for.
+    pub fn sample<C: RayCaster, const CAN: u32>(
         &self,
         world: &World<C>,
         receiver: &Receiver,
@@ -94,7 +101,7 @@ impl LightSampler {
         let point = receiver.position;
         let sample = match &self.emitters[index] {
             Emitter::Light(light) => sample_light(&world.scene().lights[*light], point, u[1], u[2]),
-            Emitter::Mesh(mesh) => sample_mesh(world, mesh, point, u[1], u[2]),
+            Emitter::Mesh(mesh) => sample_mesh::<C, CAN>(world, mesh, point, u[1], u[2]),
             Emitter::Environment(distribution) => {
                 sample_environment(world.scene().environment.as_ref()?, distribution, u[1], u[2])
             }
@@ -312,7 +319,7 @@ fn light_density(light: &Light, origin: Vec3, squared: f32, cos: f32) -> f32 {
     }
 }
 
-fn sample_mesh<C: RayCaster>(
+fn sample_mesh<C: RayCaster, const CAN: u32>(
     world: &World<C>,
     mesh: &EmissiveMesh,
     point: Vec3,
@@ -328,10 +335,10 @@ fn sample_mesh<C: RayCaster>(
         instance: mesh.instance,
         primitive: primitive as u32,
     };
-    let surface = world.surface(&on_triangle);
+    let surface = world.surface::<CAN>(&on_triangle);
     let Substance::Material(index) = world.substance(mesh.instance) else { return None };
     let material = &world.scene().materials[index];
-    let radiance = world.scene().color(&material.emission, surface.texture_coordinates, surface.color);
+    let radiance = color::<CAN>(world.scene(), &material.emission, &surface);
     let toward = point - surface.position;
     let normal = surface.geometric_normal;
     let normal = if material.double_sided && toward.dot(normal) < 0.0 { -normal } else { normal };

@@ -4,9 +4,11 @@ pub mod area_integral;
 pub mod clearance;
 pub mod counters;
 mod entry;
+mod exposure;
 pub mod form;
 pub mod guide;
 pub mod interiors;
+mod inventory;
 pub mod light_choice;
 pub mod light_sampling;
 mod path;
@@ -21,4 +23,5 @@ mod warnings;
 pub mod world;
 
 pub use counters::{Counters, ProbeCounters};
+pub use inventory::Inventory;
 pub use renderer::{RenderError, RenderOptions, Renderer};

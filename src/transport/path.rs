@@ -16,12 +16,13 @@ use super::entry::Response;
 use super::interiors::Interiors;
 use super::light_choice::Receiver;
 use super::renderer::Renderer;
-use super::shading::{Lobes, Orientation, emitted, resolve_bsdf};
+use super::shading::{Lobes, Orientation, color, emitted, resolve_bsdf};
 use super::substance::Substance;
 use super::world::SurfacePoint;
 use crate::math::robust::offset_from_surface;
 use crate::math::sampler::HashGenerator;
 use crate::math::{Frame, SampleStream};
+use crate::plan::Abilities;
 use crate::radiometry::Rgb;
 use crate::raycast::{Hit, Ray, RayCaster};
 use crate::scene::{ScatteringInput, Scene};
@@ -73,7 +74,7 @@ struct Next {
 }
 
 /// A path under construction.
-pub(super) struct Path<'a, C> {
+pub(super) struct Path<'a, C, const CAN: u32> {
     renderer: &'a Renderer<C>,
     stream: SampleStream,
     counters: &'a mut Counters,
@@ -96,11 +97,16 @@ pub(super) struct Path<'a, C> {
     random: HashGenerator,
 }
 
-impl<'a, C: RayCaster> Path<'a, C> {
+impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
+    const COVERAGE: bool = Abilities::COVERAGE.are_in(CAN);
+    const INTERIORS: bool = Abilities::INTERIORS.are_in(CAN);
+    const SUBSURFACE: bool = Abilities::SUBSURFACE.are_in(CAN);
+    const WALKS: bool = Abilities::WALKS.are_in(CAN);
+
     pub fn new(
         renderer: &'a Renderer<C>,
         stream: SampleStream,
-        interiors: Interiors,
+        interiors: &Interiors,
         counters: &'a mut Counters,
     ) -> Self {
         let random = stream.generator(place::WALK);
@@ -108,7 +114,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
             renderer,
             stream,
             counters,
-            interiors,
+            interiors: if Self::INTERIORS { *interiors } else { Interiors::default() },
             throughput: Rgb::ONE,
             radiance: Rgb::ZERO,
             scattered_from: None,
@@ -134,9 +140,9 @@ impl<'a, C: RayCaster> Path<'a, C> {
     /// Follows one ray; `None` where the path ends.
     fn step(&mut self, from: &Next) -> Option<Next> {
         let world = &self.renderer.world;
-        let inside = self.interiors.current();
+        let inside = if Self::INTERIORS { self.interiors.current() } else { None };
         let (from, hit) = match &inside {
-            Some(body) if body.medium.scatters() => match self.walk(*from, body)? {
+            Some(body) if Self::WALKS && body.medium.scatters() => match self.walk(*from, body)? {
                 Walked::Met { from, hit } => (from, Some(hit)),
                 Walked::Escaped(next) => return Some(next),
             },
@@ -146,7 +152,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
             self.add_environment(from.direction);
             return None;
         };
-        let surface = world.surface(&hit);
+        let surface = world.surface::<CAN>(&hit);
         if let Some(body) = inside.filter(|body| !body.medium.scatters()) {
             let distance = surface.position.distance(from.origin);
             self.throughput *= body.medium.sigma_a.map(|s| (-s * distance).exp());
@@ -159,25 +165,30 @@ impl<'a, C: RayCaster> Path<'a, C> {
             }
             Substance::Material(material) => material,
         };
-        if world.has_partial_coverage() && !self.covers(material, &surface) {
+        if Self::COVERAGE && world.has_partial_coverage() && !self.covers(material, &surface) {
             let origin = leave(&surface, from.direction);
             return Some(Next { origin, direction: from.direction });
         }
         self.add_material_emission(material, &surface, from.direction);
-        if self.renderer.has_walks && self.passes(&surface, from.direction) {
+        if Self::WALKS && self.renderer.has_walks && self.passes(&surface, from.direction) {
             return self.pass(&surface, from.direction);
         }
         if self.bounce >= self.limit() {
             self.counters.capped_paths += 1;
             return None;
         }
-        let below = !world.is_walked(hit.instance) && self.renderer.scatterers[material].is_some();
-        let next = if below {
+        let next = if Self::SUBSURFACE && self.is_translucent(material, hit.instance) {
             self.scatter_translucent(material, &surface, -from.direction)
         } else {
             self.scatter_bsdf(material, &surface, -from.direction)
         }?;
         self.survives_roulette().then_some(next)
+    }
+
+    /// True if light from under the surface is taken where it leaves.
+    fn is_translucent(&self, material: usize, instance: u32) -> bool {
+        let is_walked = Self::WALKS && self.renderer.world.is_walked(instance);
+        !is_walked && self.renderer.scatterers[material].is_some()
     }
 
     fn closest(&mut self, from: &Next) -> Option<Hit> {
@@ -189,7 +200,9 @@ impl<'a, C: RayCaster> Path<'a, C> {
     fn limit(&self) -> u32 {
         match self.renderer.options.max_depth {
             // Total reflection holds what scatters little for long; flights are counted there.
-            0 if self.interiors.current().is_some_and(|body| body.medium.scatters()) => u32::MAX,
+            0 if Self::WALKS && self.interiors.current().is_some_and(|body| body.medium.scatters()) => {
+                u32::MAX
+            }
             0 => LONGEST_PATH,
             depth => depth.min(LONGEST_PATH),
         }
@@ -202,7 +215,17 @@ impl<'a, C: RayCaster> Path<'a, C> {
     /// What the path can bring to the camera. Radiance inside a body is n² times that outside, which its
     /// throughput makes up for: a path is judged without that factor.
     fn carried(&self) -> f32 {
-        self.throughput.max_component() * self.interiors.ior().powi(2)
+        self.throughput.max_component() * self.ior().powi(2)
+    }
+
+    /// Index of refraction of what the path is in.
+    fn ior(&self) -> f32 {
+        if Self::INTERIORS { self.interiors.ior() } else { 1.0 }
+    }
+
+    /// Index of refraction around the boundary of `instance`.
+    fn ior_around(&self, instance: u32) -> f32 {
+        if Self::INTERIORS { self.interiors.ior_around(instance) } else { 1.0 }
     }
 
     /// Ends paths that carry little, so that the rest carry as much more.
@@ -219,7 +242,9 @@ impl<'a, C: RayCaster> Path<'a, C> {
         if !(carried > 0.0 && carried.is_finite()) {
             return false;
         }
-        let chance = carried / self.expected.min(self.technique.weight());
+        // No other technique has a weight but 1.
+        let expected = if Self::WALKS { self.expected.min(self.technique.weight()) } else { 1.0 };
+        let chance = carried / expected;
         if spared || chance >= 1.0 {
             return true;
         }
@@ -258,7 +283,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
         let material = &scene.materials[material];
         let faces = material.double_sided || direction.dot(surface.geometric_normal) < 0.0;
         if faces && !material.emission.factor.is_black() {
-            let radiance = scene.color(&material.emission, surface.texture_coordinates, surface.color);
+            let radiance = color::<CAN>(scene, &material.emission, surface);
             self.add_emission(radiance, surface, direction);
         }
     }
@@ -273,7 +298,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
     ) {
         let [u0, u1, u2, _] = self.stream.quad(self.set(place));
         let Renderer { world, lights, .. } = self.renderer;
-        let Some(light) = lights.sample(world, receiver, [u0, u1, u2]) else { return };
+        let Some(light) = lights.sample::<_, CAN>(world, receiver, [u0, u1, u2]) else { return };
         let Response { value, density } = response(light.direction);
         if value.is_black() {
             return;
@@ -291,11 +316,11 @@ impl<'a, C: RayCaster> Path<'a, C> {
     /// Scatters at a surface that acts where it is hit.
     fn scatter_bsdf(&mut self, material: usize, surface: &SurfacePoint, wo: Vec3) -> Option<Next> {
         let world = &self.renderer.world;
-        let around = self.interiors.ior_around(surface.instance);
+        let around = self.ior_around(surface.instance);
         let bsdf = self.lobes(material, surface, around);
         // Only the boundary of a body knows inside from outside.
-        let two_sided = world.interior(surface.instance).is_none();
-        let mut orientation = Orientation::new(world.scene(), material, surface, wo, two_sided);
+        let two_sided = !Self::INTERIORS || world.interior(surface.instance).is_none();
+        let mut orientation = Orientation::new::<CAN>(world.scene(), material, surface, wo, two_sided);
         let frame = Frame::from_normal(orientation.shading);
         let local_wo = frame.to_local(wo);
         let receiver = Receiver {
@@ -330,20 +355,23 @@ impl<'a, C: RayCaster> Path<'a, C> {
         }
         self.throughput *= sample.weight;
         self.scattered_from = (!sample.delta).then_some(Origin { receiver, density: sample.density });
-        if sample.crosses_boundary {
+        if Self::INTERIORS && sample.crosses_boundary {
             self.cross(surface, wo.dot(surface.geometric_normal) > 0.0);
         }
-        self.entrance = Some(surface.geometric_normal);
+        if Self::WALKS {
+            self.entrance = Some(surface.geometric_normal);
+        }
         Some(Next { origin: leave(surface, direction), direction })
     }
 
     /// What scatters light at a surface that acts where it is hit.
     fn lobes(&self, material: usize, surface: &SurfacePoint, around: f32) -> Lobes<'a> {
         let Renderer { world, scatterers, .. } = self.renderer;
-        let interface = scatterers[material].as_ref().and_then(|s| s.immersed(around).interface());
+        let walked = if Self::WALKS { scatterers[material].as_ref() } else { None };
+        let interface = walked.and_then(|scatterer| scatterer.immersed(around).interface());
         match interface.filter(|interface| !interface.is_smooth()) {
             Some(interface) => Lobes::Interface(interface),
-            None => Lobes::Bsdf(resolve_bsdf(world.scene(), material, surface, around)),
+            None => Lobes::Bsdf(resolve_bsdf::<CAN>(world.scene(), material, surface, around)),
         }
     }
 }
@@ -361,11 +389,9 @@ fn response(bsdf: &Lobes, orientation: &Orientation, frame: &Frame, local_wo: Ve
 }
 
 /// The albedo asked for at a point, where the input is one.
-fn wanted_albedo(scene: &Scene, input: &ScatteringInput, surface: &SurfacePoint) -> Rgb {
+fn wanted_albedo<const CAN: u32>(scene: &Scene, input: &ScatteringInput, surface: &SurfacePoint) -> Rgb {
     match input {
-        ScatteringInput::Albedo { albedo, .. } => {
-            scene.color(albedo, surface.texture_coordinates, surface.color)
-        }
+        ScatteringInput::Albedo { albedo, .. } => color::<CAN>(scene, albedo, surface),
         ScatteringInput::Coefficients { .. } => Rgb::ZERO,
     }
 }

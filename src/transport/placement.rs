@@ -61,6 +61,7 @@ mod tests {
     use crate::math::robust::offset_from_surface;
     use crate::math::sampler::HashGenerator;
     use crate::math::warp;
+    use crate::plan::Abilities;
     use crate::raycast::embree::EmbreeCaster;
     use crate::raycast::{Ray, RayCaster};
     use crate::scene::{Instance, Material, Scene, shape};
@@ -100,7 +101,7 @@ mod tests {
             let direction = warp::square_to_cone(u, v, 2.0);
             let ray = Ray::new(low + Vec3::new(x, y, z) * (high - low), direction);
             let Some(hit) = world.caster().closest(&ray) else { continue };
-            let point = world.surface(&hit);
+            let point = world.surface::<{ Abilities::NONE.bits() }>(&hit);
             let beyond = offset_from_surface(point.position, point.error, point.geometric_normal, direction);
             let next = world.caster().closest(&Ray::new(beyond, direction));
             if next.is_some_and(|next| (next.instance, next.primitive) == (hit.instance, hit.primitive)) {

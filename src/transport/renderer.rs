@@ -8,14 +8,14 @@ use super::counters::Counters;
 use super::interiors::Interiors;
 use super::light_sampling::LightSampler;
 use super::path::{Path, place};
-use super::scatterer::{Scatterer, ScattererError};
+use super::scatterer::{Scatterer, ScattererError, Uses};
 use super::substance::Substance;
 use super::warnings::warnings;
 use super::world::{UPWARDS, World};
 use crate::diffusion::{ModelKind, ProfileKind};
 use crate::math::SampleStream;
 use crate::math::robust::offset_from_surface;
-use crate::plan::{Plan, Request};
+use crate::plan::{Abilities, ForceError, Forces, Kernel, Plan, Request};
 use crate::radiometry::Rgb;
 use crate::raycast::{Geometry, Ray, RayCaster, RaycastError};
 use crate::scene::camera::CameraRays;
@@ -45,6 +45,8 @@ pub struct RenderOptions {
     /// Whether `spheres` are used in anisotropic media too, far from surfaces: those of the isotropic medium of reduced coefficients, similar to order 1,
     /// which is an approximation.
     pub similarity: bool,
+    /// Effects that are switched on or off, whatever the scene calls for.
+    pub forces: Forces,
 }
 
 impl RenderOptions {
@@ -52,13 +54,15 @@ impl RenderOptions {
     pub fn of(scene: &Scene, seed: u64) -> Self {
         let SubsurfaceSettings { method, accuracy, profile, similarity } = scene.subsurface;
         let max_depth = scene.render.max_depth;
-        Self { seed, method, accuracy, profile, max_depth, spheres: true, guiding: true, similarity }
+        let forces = Forces::default();
+        Self { seed, method, accuracy, profile, max_depth, spheres: true, guiding: true, similarity, forces }
     }
 }
 
 impl From<&RenderOptions> for Request {
     fn from(options: &RenderOptions) -> Self {
-        Self { method: options.method, profile: options.profile, accuracy: options.accuracy }
+        let RenderOptions { method, profile, accuracy, forces, .. } = *options;
+        Self { method, profile, accuracy, forces }
     }
 }
 
@@ -71,6 +75,14 @@ pub enum RenderError {
     /// A material cannot have the profile asked for.
     #[error(transparent)]
     Scatterer(#[from] ScattererError),
+    /// An effect cannot be switched as asked for.
+    #[error(transparent)]
+    Force(#[from] ForceError),
+    /// The program was built without the code.
+    #[error(
+        "this program was built without code for what the scene needs; build it without `alabaster_without`"
+    )]
+    LeftOut,
     /// The option is known but not available.
     #[error("{option} \"{value}\" is not available in this version; available: {available}")]
     Unavailable {
@@ -98,6 +110,7 @@ pub struct Renderer<C> {
     /// Paths walk in some bodies.
     pub(super) has_walks: bool,
     plan: Plan,
+    kernel: Kernel,
     /// By instance: some light lies in the bounding box of a body that paths walk in.
     lit_inside: Vec<bool>,
     /// By instance: free space in bodies that paths walk in, where it is used.
@@ -114,20 +127,27 @@ impl<C: RayCaster> Renderer<C> {
         build: impl FnOnce(&Geometry) -> Result<C, RaycastError>,
     ) -> Result<Self, RenderError> {
         check(&scene)?;
-        clear_bodies_without_scattering(&mut scene);
-        let plan = Plan::new(&scene, &Request::from(&options));
+        let plan = Plan::prepare(&mut scene, &Request::from(&options))?;
+        let kernel = plan.kernel;
+        if !kernel.suits(plan.needed) {
+            return Err(RenderError::LeftOut);
+        }
         let camera = scene.camera.rays(scene.film.width as f32 / scene.film.height as f32);
         let world = World::new(scene, plan.methods(), build)?;
         let scene = world.scene();
         let lights = LightSampler::new(&world, world.radius());
         let has_walks = world.has_walks();
         // Where none is used, one that needs no preparation.
-        let profile = |material| match uses_profile(&world, material) {
-            true => options.profile.kind(),
-            false => Some(ProfileKind::Model(ModelKind::NormalizedDiffusion)),
+        let uses = |material| Uses {
+            profile: match uses_profile(&world, material) {
+                true => options.profile.kind(),
+                false => Some(ProfileKind::Model(ModelKind::NormalizedDiffusion)),
+            },
+            walked: world.methods_of(material).any(|method| method == Method::Walk),
+            walks: has_walks,
         };
         let mut scatterers = (0..scene.materials.len())
-            .map(|material| Scatterer::new(scene, material, profile(material), has_walks))
+            .map(|material| Scatterer::new(scene, material, &uses(material)))
             .collect::<Result<Vec<_>, _>>()?;
         let camera_interiors = interiors_at(&world, &scatterers, scene.camera.position, UPWARDS);
         let has_passages = has_walks && has_passages(&world);
@@ -142,6 +162,7 @@ impl<C: RayCaster> Renderer<C> {
             has_passages,
             has_walks,
             plan,
+            kernel,
             lit_inside,
             clearances,
             camera,
@@ -169,6 +190,19 @@ impl<C: RayCaster> Renderer<C> {
     /// Which method each translucent body has got, and why.
     pub fn plan(&self) -> &Plan {
         &self.plan
+    }
+
+    /// The kernel that takes samples.
+    pub fn kernel(&self) -> Kernel {
+        self.kernel
+    }
+
+    /// Takes samples by another kernel from here on, of the same bits; false, and nothing is changed, if it has not the code for what
+    /// the scene needs.
+    pub fn use_kernel(&mut self, kernel: Kernel) -> bool {
+        let suits = kernel.suits(self.plan.needed);
+        self.kernel = if suits { kernel } else { self.kernel };
+        suits
     }
 
     /// The ray caster.
@@ -200,15 +234,27 @@ impl<C: RayCaster> Renderer<C> {
             if !is_clear(&self.scene().materials[material].surface) {
                 return Some(material);
             }
-            let surface = self.world.surface(&hit);
+            let surface = self.world.surface::<{ Abilities::NONE.bits() }>(&hit);
             let (position, normal) = (surface.position, surface.geometric_normal);
             origin = offset_from_surface(position, surface.error, normal, ray.direction);
         }
         None
     }
 
-    /// Radiance, W/(m² sr), that sample number `sample` of pixel (`x`, `y`) brings to the film.
+    /// Radiance, W/(m² sr), that sample number `sample` of pixel (`x`, `y`) brings to the film. By the generic kernel: a film is
+    /// faster [exposed](Self::expose), to the same bits.
     pub fn sample(&self, x: u32, y: u32, sample: u64, counters: &mut Counters) -> Rgb {
+        self.sample_by::<{ Kernel::Generic.abilities().bits() }>(x, y, sample, counters)
+    }
+
+    /// The same by the kernel with the abilities `CAN`.
+    pub(super) fn sample_by<const CAN: u32>(
+        &self,
+        x: u32,
+        y: u32,
+        sample: u64,
+        counters: &mut Counters,
+    ) -> Rgb {
         let film = self.scene().film;
         let pixel = u64::from(y) * u64::from(film.width) + u64::from(x);
         let stream = SampleStream::new(self.options.seed, pixel, sample);
@@ -216,14 +262,16 @@ impl<C: RayCaster> Renderer<C> {
         let [dx, dy] = film.filter.sample([u, v]);
         let on_film = [(x as f32 + 0.5 + dx) / film.width as f32, (y as f32 + 0.5 + dy) / film.height as f32];
         let ray = self.camera.ray(on_film, [lens_u, lens_v]);
-        Path::new(self, stream, self.camera_interiors, counters).radiance(ray.origin, ray.direction)
+        Path::<C, CAN>::new(self, stream, &self.camera_interiors, counters)
+            .radiance(ray.origin, ray.direction)
     }
 
-    /// Radiance, W/(m² sr), that sample number `sample` finds to arrive at `origin` (m) from unit `direction`.
+    /// Radiance, W/(m² sr), that sample number `sample` finds to arrive at `origin` (m) from unit `direction`, by the generic kernel.
     pub fn radiance(&self, origin: Vec3, direction: Vec3, sample: u64, counters: &mut Counters) -> Rgb {
         let stream = SampleStream::new(self.options.seed, u64::MAX, sample);
         let interiors = self.interiors_at(origin, UPWARDS);
-        Path::new(self, stream, interiors, counters).radiance(origin, direction)
+        Path::<C, { Kernel::Generic.abilities().bits() }>::new(self, stream, &interiors, counters)
+            .radiance(origin, direction)
     }
 
     /// What is wrong with the scene as it is rendered, and what is assumed.
@@ -237,6 +285,11 @@ impl<C: RayCaster> Renderer<C> {
 
     pub(super) fn is_lit_inside(&self, instance: u32) -> bool {
         self.lit_inside[instance as usize]
+    }
+
+    /// Bodies whose free space is known.
+    pub(super) fn clearance_count(&self) -> usize {
+        self.clearances.iter().flatten().count()
     }
 
     /// Free space in `instance`, where it is used.
@@ -363,21 +416,4 @@ fn check(scene: &Scene) -> Result<(), RenderError> {
         });
     }
     Ok(())
-}
-
-/// A translucent body in which nothing scatters is a clear one: paths go through it.
-fn clear_bodies_without_scattering(scene: &mut Scene) {
-    for material in &mut scene.materials {
-        let Surface::Translucent { ior, roughness, medium } = &material.surface else { continue };
-        let ScatteringInput::Coefficients { sigma_a, sigma_s, .. } = medium else { continue };
-        if sigma_s.is_black() {
-            material.surface = Surface::Dielectric {
-                ior: *ior,
-                abbe: None,
-                roughness: crate::scene::ScalarInput::constant(*roughness),
-                sigma_a: *sigma_a,
-                tint: crate::scene::ColorInput::constant(Rgb::ONE),
-            };
-        }
-    }
 }

@@ -52,6 +52,17 @@ pub struct Local {
     pub length: Rgb,
 }
 
+/// What a translucent material is prepared for.
+#[derive(Clone, Copy, Debug)]
+pub struct Uses {
+    /// The profile asked for; `None`: the best one.
+    pub profile: Option<ProfileKind>,
+    /// Paths walk in bodies of the material.
+    pub walked: bool,
+    /// Paths walk in some body of the scene, so that it can be inside of any.
+    pub walks: bool,
+}
+
 /// A translucent material, for every surrounding that the scene can give it.
 pub struct Scatterer {
     input: ScatteringInput,
@@ -122,6 +133,16 @@ impl Immersed {
         Guide::new(medium, &self.planar, fresnel_dielectric(1.0, self.boundary.eta()).reflectance)
     }
 
+    /// True if profiles are tabulated for it.
+    pub fn has_table(&self) -> bool {
+        matches!(self.form, Form::Shaped { .. })
+    }
+
+    /// True if a guide of walks is prepared.
+    pub fn has_guide(&self) -> bool {
+        self.guide.as_ref().is_some_and(|(_, guide)| guide.is_some())
+    }
+
     /// The dependence of the profile on the direction of entry, if it has one.
     pub fn directional(&self) -> Option<&DirectionalWeightTable> {
         match &self.form {
@@ -132,17 +153,11 @@ impl Immersed {
 }
 
 impl Scatterer {
-    /// Prepares a material of `scene` with the profile asked for, or the best one; `None` if it is not translucent. If `walks`,
-    /// paths walk in some bodies of the scene.
+    /// Prepares a material of `scene` for its `uses`; `None` if it is not translucent.
     ///
     /// # Errors
     /// If the material has no such profile. In surroundings that it may not be in at all another one takes its place.
-    pub fn new(
-        scene: &Scene,
-        material: usize,
-        profile: Option<ProfileKind>,
-        walks: bool,
-    ) -> Result<Option<Self>, ScattererError> {
+    pub fn new(scene: &Scene, material: usize, uses: &Uses) -> Result<Option<Self>, ScattererError> {
         let Surface::Translucent { ior, roughness, medium } = &scene.materials[material].surface else {
             return Ok(None);
         };
@@ -152,7 +167,7 @@ impl Scatterer {
             let ior = match &other.surface {
                 Surface::Dielectric { ior, .. } => *ior,
                 Surface::MetallicRoughness(m) => m.ior,
-                Surface::Translucent { ior, .. } if walks => *ior,
+                Surface::Translucent { ior, .. } if uses.walks => *ior,
                 _ => continue,
             };
             if !around.contains(&ior) {
@@ -164,7 +179,7 @@ impl Scatterer {
         let g = f64::from(medium.g());
         for ior_around in around {
             let eta = f64::from(ior / ior_around);
-            let kind = match profile_kind(profile, eta, g) {
+            let kind = match profile_kind(uses.profile, eta, g) {
                 Err(FormError::NotTabulated { .. }) if !scatterer.immersed.is_empty() => {
                     ProfileKind::Model(ModelKind::PhotonBeam)
                 }
@@ -172,9 +187,9 @@ impl Scatterer {
             };
             let immersed = Immersed::new(ior_around, eta as f32, *roughness, medium, kind);
             let mut immersed = immersed.map_err(|problem| failed(problem.into()))?;
-            immersed.interface = walks.then(|| Interface::new(eta as f32, roughness * roughness));
+            immersed.interface = uses.walked.then(|| Interface::new(eta as f32, roughness * roughness));
             immersed.constant = scatterer.constant(&immersed);
-            if let Some(local) = immersed.constant.filter(|_| walks) {
+            if let Some(local) = immersed.constant.filter(|_| uses.walked) {
                 let medium = scatterer.medium_of(&local);
                 immersed.guide = Some((medium, immersed.new_guide(&medium)));
             }
@@ -195,6 +210,11 @@ impl Scatterer {
     /// The profiles that it may use.
     pub fn profiles(&self) -> impl Iterator<Item = ProfileKind> {
         self.immersed.iter().map(|immersed| immersed.kind)
+    }
+
+    /// For all surroundings.
+    pub fn all_immersed(&self) -> &[Immersed] {
+        &self.immersed
     }
 
     /// Leaves out what profiles leave to the direction of entry.

@@ -6,9 +6,10 @@ use super::light_choice::Receiver;
 use super::world::SurfacePoint;
 use crate::math::sampler::HashGenerator;
 use crate::optics::{Bsdf, BsdfSample, Dielectric, Interface, Metal, MetallicRoughness};
+use crate::plan::Abilities;
 use crate::radiometry::Rgb;
 use crate::scene::material::Coverage;
-use crate::scene::{Light, Scene, Surface};
+use crate::scene::{ColorInput, Light, ScalarInput, Scene, Surface};
 
 /// The normals of a point, turned to the side that counts as outside.
 #[derive(Clone, Copy, Debug)]
@@ -24,7 +25,7 @@ pub struct Orientation {
 impl Orientation {
     /// For light that leaves along `wo`. If `toward_viewer`, the side of `wo` is the outside; else the
     /// winding decides.
-    pub fn new(
+    pub fn new<const CAN: u32>(
         scene: &Scene,
         material: usize,
         surface: &SurfacePoint,
@@ -32,7 +33,7 @@ impl Orientation {
         toward_viewer: bool,
     ) -> Self {
         let flipped = toward_viewer && wo.dot(surface.geometric_normal) < 0.0;
-        let mut orientation = Self::on_side(scene, material, surface, flipped);
+        let mut orientation = Self::on_side::<CAN>(scene, material, surface, flipped);
         if !orientation.agree(wo) {
             // Seen from a side that only the interpolated normal calls the back.
             orientation.shading = orientation.geometric;
@@ -41,9 +42,18 @@ impl Orientation {
     }
 
     /// With the outside as the winding says, or the other side if `flipped`.
-    pub fn on_side(scene: &Scene, material: usize, surface: &SurfacePoint, flipped: bool) -> Self {
+    pub fn on_side<const CAN: u32>(
+        scene: &Scene,
+        material: usize,
+        surface: &SurfacePoint,
+        flipped: bool,
+    ) -> Self {
         let sign = if flipped { -1.0 } else { 1.0 };
-        let shading = mapped_normal(scene, material, surface);
+        let shading = if const { Abilities::TEXTURES.are_in(CAN) } {
+            mapped_normal(scene, material, surface)
+        } else {
+            surface.shading_normal
+        };
         Self { geometric: surface.geometric_normal * sign, shading: shading * sign, flipped }
     }
 
@@ -94,9 +104,27 @@ fn mapped_normal(scene: &Scene, material: usize, surface: &SurfacePoint) -> Vec3
     if mapped.dot(surface.geometric_normal) > 0.0 { mapped } else { normal }
 }
 
+/// The value of a colour at a point.
+pub fn color<const CAN: u32>(scene: &Scene, input: &ColorInput, surface: &SurfacePoint) -> Rgb {
+    if const { Abilities::TEXTURES.are_in(CAN) } {
+        scene.color(input, surface.texture_coordinates, surface.color)
+    } else {
+        input.factor
+    }
+}
+
+/// The value of a number at a point.
+fn scalar<const CAN: u32>(scene: &Scene, input: &ScalarInput, surface: &SurfacePoint) -> f32 {
+    if const { Abilities::TEXTURES.are_in(CAN) } {
+        scene.scalar(input, surface.texture_coordinates, surface.color)
+    } else {
+        input.factor
+    }
+}
+
 /// True if the surface is there, decided by `u` where it is there in part.
-pub fn is_covered(scene: &Scene, material: usize, surface: &SurfacePoint, u: f32) -> bool {
-    let alpha = |input| scene.scalar(input, surface.texture_coordinates, surface.color);
+pub fn is_covered<const CAN: u32>(scene: &Scene, material: usize, surface: &SurfacePoint, u: f32) -> bool {
+    let alpha = |input| scalar::<CAN>(scene, input, surface);
     match &scene.materials[material].coverage {
         Coverage::Full => true,
         Coverage::Mask { alpha: input, cutoff } => alpha(input) >= *cutoff,
@@ -168,10 +196,14 @@ impl Lobes<'_> {
 }
 
 /// The BSDF at a point of a body surrounded by index `ior_around`.
-pub fn resolve_bsdf(scene: &Scene, material: usize, surface: &SurfacePoint, ior_around: f32) -> Bsdf {
-    let color = |input| scene.color(input, surface.texture_coordinates, surface.color);
-    let share = |input| scene.scalar(input, surface.texture_coordinates, surface.color).clamp(0.0, 1.0);
-    let reflectance = |input| color(input).map(|x: f32| x.clamp(0.0, 1.0));
+pub fn resolve_bsdf<const CAN: u32>(
+    scene: &Scene,
+    material: usize,
+    surface: &SurfacePoint,
+    ior_around: f32,
+) -> Bsdf {
+    let share = |input| scalar::<CAN>(scene, input, surface).clamp(0.0, 1.0);
+    let reflectance = |input| color::<CAN>(scene, input, surface).map(|x: f32| x.clamp(0.0, 1.0));
     match &scene.materials[material].surface {
         Surface::Diffuse { reflectance: input } => Bsdf::Diffuse { reflectance: reflectance(input) },
         Surface::Metal { reflectance: input, roughness } => {

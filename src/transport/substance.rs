@@ -18,11 +18,7 @@ pub enum Substance {
 pub(super) fn interior_of(scene: &Scene, material: usize, walked: bool) -> Option<(f32, Rgb)> {
     match &scene.materials[material].surface {
         Surface::Dielectric { ior, sigma_a, .. } => Some((*ior, *sigma_a)),
-        Surface::MetallicRoughness(m)
-            if !m.thin && (m.transmission.factor > 0.0 || m.transmission.texture.is_some()) =>
-        {
-            Some((m.ior, m.sigma_a))
-        }
+        surface @ Surface::MetallicRoughness(m) if surface.is_clear_body() => Some((m.ior, m.sigma_a)),
         Surface::Translucent { ior, .. } if walked => Some((*ior, Rgb::ZERO)),
         _ => None,
     }

@@ -4,6 +4,7 @@ use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec4};
 
 use crate::math::robust::{interpolation_error, offset_from_surface};
 use crate::medium::Medium;
+use crate::plan::Abilities;
 use crate::plan::solid::Flaw;
 use crate::raycast::{Geometry, Hit, MeshInstance, Ray, RayCaster, RaycastError, TriangleMesh};
 use crate::scene::material::Coverage;
@@ -238,8 +239,8 @@ impl<C: RayCaster> World<C> {
         outward_normal(self.triangle(hit.instance, hit.primitive))
     }
 
-    /// The point that was hit.
-    pub fn surface(&self, hit: &Hit) -> SurfacePoint {
+    /// The point that was hit. What only textures need is looked up if `CAN` has them among its abilities.
+    pub fn surface<const CAN: u32>(&self, hit: &Hit) -> SurfacePoint {
         let instance = &self.scene.instances[hit.instance as usize];
         let mesh = &self.scene.meshes[instance.mesh];
         let [i, j, k] = mesh.triangles[hit.primitive as usize].map(|v| v as usize);
@@ -256,20 +257,21 @@ impl<C: RayCaster> World<C> {
             let normal = local.normalize_or(geometric_normal);
             shading_normal = if normal.dot(geometric_normal) < 0.0 { -normal } else { normal };
         }
-        let mut tangent = Vec4::ZERO;
-        if !mesh.tangents.is_empty() {
-            let t = mesh.tangents[i] * w + mesh.tangents[j] * u + mesh.tangents[k] * v;
-            tangent = place_vector(transform, t.truncate()).extend(mesh.tangents[i].w);
+        let (mut tangent, mut texture_coordinates, mut color) = (Vec4::ZERO, [Vec2::ZERO; 2], Vec4::ONE);
+        if const { Abilities::TEXTURES.are_in(CAN) } {
+            if !mesh.tangents.is_empty() {
+                let t = mesh.tangents[i] * w + mesh.tangents[j] * u + mesh.tangents[k] * v;
+                tangent = place_vector(transform, t.truncate()).extend(mesh.tangents[i].w);
+            }
+            for (coordinates, set) in texture_coordinates.iter_mut().zip(&mesh.texture_coordinates) {
+                if !set.is_empty() {
+                    *coordinates = set[i] * w + set[j] * u + set[k] * v;
+                }
+            }
+            if !mesh.colors.is_empty() {
+                color = mesh.colors[i] * w + mesh.colors[j] * u + mesh.colors[k] * v;
+            }
         }
-        let texture_coordinates = mesh
-            .texture_coordinates
-            .each_ref()
-            .map(|set| if set.is_empty() { Vec2::ZERO } else { set[i] * w + set[j] * u + set[k] * v });
-        let color = if mesh.colors.is_empty() {
-            Vec4::ONE
-        } else {
-            mesh.colors[i] * w + mesh.colors[j] * u + mesh.colors[k] * v
-        };
         SurfacePoint {
             position: a * w + b * u + c * v,
             error: interpolation_error(a, b, c) + placed.error,
@@ -308,7 +310,7 @@ impl<C: RayCaster> World<C> {
                     found.enter(interior);
                 }
             }
-            let point = self.surface(&hit);
+            let point = self.surface::<{ Abilities::NONE.bits() }>(&hit);
             ray.origin = offset_from_surface(point.position, point.error, point.geometric_normal, direction);
         }
         found

@@ -1,5 +1,6 @@
 //! Scenes made in code, and statistics, for the tests.
 
+use alabaster::plan::Forces;
 use alabaster::radiometry::Rgb;
 #[cfg(not(feature = "embree"))]
 use alabaster::raycast::bvh::BvhCaster;
@@ -118,6 +119,7 @@ pub fn options() -> RenderOptions {
         spheres: true,
         guiding: true,
         similarity: false,
+        forces: Forces::default(),
     }
 }
 

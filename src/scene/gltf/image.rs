@@ -1,5 +1,6 @@
 //! Textures, samplers and pictures (glTF 2.0, section 3.8).
 
+use std::collections::BTreeSet;
 use std::io::Cursor;
 
 use ::gltf::json;
@@ -12,8 +13,8 @@ use serde_json::{Map, Value};
 use super::Reader;
 use super::extensions::{TextureTransform, WebpTexture};
 use super::uri::read_uri;
-use crate::scene::texture::{Pixels, Wrap};
-use crate::scene::{Image, SceneError, Texture};
+use crate::scene::texture::{EncodedImage, Pixels, Wrap};
+use crate::scene::{Image, Scene, SceneError, Texture};
 
 /// Widest and highest picture, pixels.
 const MAX_IMAGE_SIZE: u32 = 1 << 15;
@@ -22,7 +23,7 @@ const MAX_IMAGE_SIZE: u32 = 1 << 15;
 const MAX_IMAGE_LENGTH: u64 = 1 << 30;
 
 /// Most pixels of all pictures together: a small file can decode to a huge picture.
-pub(super) const PIXEL_BUDGET: u64 = 1 << 29;
+const PIXEL_BUDGET: u64 = 1 << 29;
 
 /// A use of a texture by a material.
 #[derive(Clone, Copy)]
@@ -128,7 +129,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The scene's image for glTF image `index`, decoded once however many textures show it.
+    /// The scene's image for glTF image `index`, not decoded yet; one however many textures show it.
     fn image(&mut self, index: usize, place: &str) -> Result<usize, SceneError> {
         if let Some(&known) = self.images.get(&index) {
             return Ok(known);
@@ -136,16 +137,10 @@ impl Reader<'_> {
         let document = self.document;
         let source = document.get(&document.images, "image", index, &format!("{place}/source"))?;
         let place = format!("/images/{index}");
-        let decoded = match (&source.buffer_view, &source.uri) {
-            (Some(view), _) => {
-                let bytes = document.view(view.value(), &place)?;
-                self.decode(bytes, &place)?
-            }
-            (None, Some(uri)) => {
-                let bytes = read_uri(&document.folder, uri, MAX_IMAGE_LENGTH)
-                    .map_err(|problem| document.error(format!("{place}/uri"), problem))?;
-                self.decode(&bytes, &place)?
-            }
+        let bytes = match (&source.buffer_view, &source.uri) {
+            (Some(view), _) => document.view(view.value(), &place)?.to_vec(),
+            (None, Some(uri)) => read_uri(&document.folder, uri, MAX_IMAGE_LENGTH)
+                .map_err(|problem| document.error(format!("{place}/uri"), problem))?,
             (None, None) => {
                 return Err(document.error(place, "has neither `uri` nor `bufferView`; export it again"));
             }
@@ -153,44 +148,12 @@ impl Reader<'_> {
         let name = source.name.clone().or_else(|| source.uri.clone().filter(|uri| !uri.starts_with("data:")));
         self.scene.images.push(Image {
             name: name.unwrap_or_else(|| format!("image {index}")),
-            width: decoded.width(),
-            height: decoded.height(),
-            pixels: pixels(decoded),
+            width: 1,
+            height: 1,
+            pixels: Pixels::Encoded(EncodedImage { bytes, file: document.file.clone(), place }),
         });
         self.images.insert(index, self.scene.images.len() - 1);
         Ok(self.scene.images.len() - 1)
-    }
-
-    /// Decodes a picture. Its kind is found from its first bytes: declared types are often wrong.
-    fn decode(&mut self, bytes: &[u8], place: &str) -> Result<DynamicImage, SceneError> {
-        let refuse = |problem: String| self.document.error(place, problem);
-        let reader = ImageReader::new(Cursor::new(bytes));
-        let mut reader = reader.with_guessed_format().map_err(|error| refuse(error.to_string()))?;
-        if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP)) {
-            return Err(refuse(String::from(
-                "the image is not PNG, JPEG or WebP, or is damaged; convert it to one of these",
-            )));
-        }
-        let mut limits = Limits::default();
-        limits.max_image_width = Some(MAX_IMAGE_SIZE);
-        limits.max_image_height = Some(MAX_IMAGE_SIZE);
-        limits.max_alloc = Some(8 * self.pixels_left);
-        reader.limits(limits);
-        let cannot = |error| refuse(format!("the image cannot be decoded: {error}; save it again"));
-        let decoder = reader.into_decoder().map_err(cannot)?;
-        let (width, height) = decoder.dimensions();
-        let count = u64::from(width) * u64::from(height);
-        if count == 0 {
-            return Err(refuse(String::from("the image has no pixels; save it again")));
-        }
-        let Some(left) = self.pixels_left.checked_sub(count) else {
-            return Err(refuse(format!(
-                "the images of the scene have more than {PIXEL_BUDGET} pixels together; scale them down"
-            )));
-        };
-        let decoded = DynamicImage::from_decoder(decoder).map_err(cannot)?;
-        self.pixels_left = left;
-        Ok(decoded)
     }
 
     /// Warns of textured instances whose mesh lacks the coordinates: they show one pixel only.
@@ -231,6 +194,58 @@ fn wrap(mode: &Checked<WrappingMode>) -> Wrap {
         Checked::Valid(WrappingMode::MirroredRepeat) => Wrap::Mirror,
         _ => Wrap::Repeat,
     }
+}
+
+/// Decodes the images that placed surfaces of `scene` show; all others stay as they are.
+///
+/// # Errors
+/// An image is damaged, or all together are too large.
+pub fn decode_images(scene: &mut Scene) -> Result<(), SceneError> {
+    let placed = scene.instances.iter().filter(|placed| !scene.meshes[placed.mesh].triangles.is_empty());
+    let materials: BTreeSet<usize> = placed.map(|placed| placed.material).collect();
+    let textures = materials.into_iter().flat_map(|material| scene.materials[material].textures());
+    let images: BTreeSet<usize> =
+        textures.filter_map(|texture| scene.textures.get(texture)).map(|texture| texture.image).collect();
+    let mut pixels_left = PIXEL_BUDGET;
+    for index in images {
+        let Some(image) = scene.images.get_mut(index) else { continue };
+        if let Pixels::Encoded(encoded) = &image.pixels {
+            let decoded = decode(&encoded.bytes, &mut pixels_left)
+                .map_err(|problem| SceneError::at(&encoded.file, &encoded.place, problem))?;
+            (image.width, image.height) = (decoded.width(), decoded.height());
+            image.pixels = pixels(decoded);
+        }
+    }
+    Ok(())
+}
+
+/// Decodes a picture. Its kind is found from its first bytes: declared types are often wrong.
+fn decode(bytes: &[u8], pixels_left: &mut u64) -> Result<DynamicImage, String> {
+    let reader = ImageReader::new(Cursor::new(bytes));
+    let mut reader = reader.with_guessed_format().map_err(|error| error.to_string())?;
+    if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP)) {
+        return Err("the image is not PNG, JPEG or WebP, or is damaged; convert it to one of these".into());
+    }
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MAX_IMAGE_SIZE);
+    limits.max_image_height = Some(MAX_IMAGE_SIZE);
+    limits.max_alloc = Some(8 * *pixels_left);
+    reader.limits(limits);
+    let cannot = |error| format!("the image cannot be decoded: {error}; save it again");
+    let decoder = reader.into_decoder().map_err(cannot)?;
+    let (width, height) = decoder.dimensions();
+    let count = u64::from(width) * u64::from(height);
+    if count == 0 {
+        return Err("the image has no pixels; save it again".into());
+    }
+    let Some(left) = pixels_left.checked_sub(count) else {
+        return Err(format!(
+            "the images of the scene have more than {PIXEL_BUDGET} pixels together; scale them down"
+        ));
+    };
+    let decoded = DynamicImage::from_decoder(decoder).map_err(cannot)?;
+    *pixels_left = left;
+    Ok(decoded)
 }
 
 /// Eight bits stay eight bits; anything deeper becomes sixteen.

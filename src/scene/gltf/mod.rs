@@ -35,7 +35,8 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 use self::document::Document;
-use self::image::{PIXEL_BUDGET, TextureKey};
+use self::image::TextureKey;
+pub use self::image::decode_images;
 use self::warnings::Warnings;
 use super::{Camera, Scene, SceneError};
 
@@ -65,6 +66,13 @@ pub struct GltfScene {
 /// A file is missing, damaged, unsafe to follow, or needs an extension that is not supported; or
 /// there is no triangle in the scene.
 pub fn read_gltf(path: &Path) -> Result<GltfScene, SceneError> {
+    let mut gltf = read_undecoded(path)?;
+    decode_images(&mut gltf.scene)?;
+    Ok(gltf)
+}
+
+/// The same with its images as they are in the files: what becomes of them is known once the scene is complete ([`decode_images`]).
+pub fn read_undecoded(path: &Path) -> Result<GltfScene, SceneError> {
     let document = Document::open(path)?;
     let mut reader = Reader::new(&document);
     reader.read_nodes()?;
@@ -82,7 +90,6 @@ struct Reader<'a> {
     materials: HashMap<Option<usize>, usize>,
     textures: HashMap<TextureKey, usize>,
     images: HashMap<usize, usize>,
-    pixels_left: u64,
 }
 
 impl<'a> Reader<'a> {
@@ -110,7 +117,6 @@ impl<'a> Reader<'a> {
             materials: HashMap::new(),
             textures: HashMap::new(),
             images: HashMap::new(),
-            pixels_left: PIXEL_BUDGET,
         }
     }
 

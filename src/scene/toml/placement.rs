@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::Affine3A;
 
 use super::replacement::{Heirs, Replacement};
-use crate::scene::gltf::{GltfScene, read_gltf};
+use crate::scene::gltf::{GltfScene, read_undecoded};
 use crate::scene::{Camera, Instance, Light, Scene, SceneError};
 
 /// The glTF files that a scene names: each is read once, however often it is placed.
@@ -67,7 +67,7 @@ impl GltfFiles {
         if let Some(known) = self.files.iter().position(|file| file.path == path) {
             return Ok(known);
         }
-        let mut gltf = read_gltf(path)?;
+        let mut gltf = read_undecoded(path)?;
         let first_mesh = scene.meshes.len();
         scene.meshes.append(&mut gltf.scene.meshes);
         scene.warnings.append(&mut gltf.scene.warnings);

@@ -55,7 +55,7 @@ impl<C: RayCaster> Ready<C> {
         while timed < seconds && taken < PILOT_SAMPLES {
             let pass = taken.max(1);
             let start = Instant::now();
-            self.expose(&mut film, taken..taken + pass, stop, &|_| ());
+            self.renderer.expose(&mut film, taken..taken + pass, stop, &|_| ());
             if stop.load(Ordering::Relaxed) {
                 return Ok(None);
             }
@@ -94,7 +94,7 @@ impl<C: RayCaster> Ready<C> {
         let (mut points, mut taken, mut seconds) = (Vec::new(), 0, 0.0);
         for &level in levels {
             let start = Instant::now();
-            counters.merge(&self.expose(&mut film, taken..level, stop, &advance));
+            counters.merge(&self.renderer.expose(&mut film, taken..level, stop, &advance));
             seconds += start.elapsed().as_secs_f64();
             if stop.load(Ordering::Relaxed) {
                 return Ok(None);
@@ -117,21 +117,5 @@ impl<C: RayCaster> Ready<C> {
     fn film(&self) -> Result<Film, FilmError> {
         let size = self.renderer.scene().film;
         Film::new(size.width, size.height)
-    }
-
-    fn expose(
-        &self,
-        film: &mut Film,
-        samples: std::ops::Range<u64>,
-        stop: &AtomicBool,
-        advance: &(dyn Fn(u64) + Sync),
-    ) -> Counters {
-        film.accumulate(
-            samples,
-            |x, y, sample, counters: &mut Counters| self.renderer.sample(x, y, sample, counters),
-            |total, counters| total.merge(&counters),
-            stop,
-            advance,
-        )
     }
 }

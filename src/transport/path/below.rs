@@ -15,7 +15,7 @@ use crate::transport::spread::{Channels, Spread, Spreading};
 use crate::transport::world::SurfacePoint;
 use glam::Vec3;
 
-impl<'a, C: RayCaster> Path<'a, C> {
+impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
     /// At a translucent body light is reflected by the boundary, or comes from under the surface.
     pub(super) fn scatter_translucent(
         &mut self,
@@ -24,7 +24,7 @@ impl<'a, C: RayCaster> Path<'a, C> {
         wo: Vec3,
     ) -> Option<Next> {
         let scene = self.renderer.world.scene();
-        let orientation = Orientation::new(scene, material, surface, wo, true);
+        let orientation = Orientation::new::<CAN>(scene, material, surface, wo, true);
         let scattering = self.scattering(material, surface)?;
         let boundary = scattering.boundary;
         let frame = Frame::from_normal(orientation.shading);
@@ -56,11 +56,9 @@ impl<'a, C: RayCaster> Path<'a, C> {
 
     fn scattering(&self, material: usize, surface: &SurfacePoint) -> Option<Scattering<'a>> {
         let Renderer { world, scatterers, .. } = self.renderer;
-        Some(scatterers[material].as_ref()?.at(
-            self.interiors.ior(),
-            world.diameter(surface.instance),
-            |input| wanted_albedo(world.scene(), input, surface),
-        ))
+        Some(scatterers[material].as_ref()?.at(self.ior(), world.diameter(surface.instance), |input| {
+            wanted_albedo::<CAN>(world.scene(), input, surface)
+        }))
     }
 
     /// The area integral: finds where the light came in, and follows it from there.
@@ -105,13 +103,13 @@ impl<'a, C: RayCaster> Path<'a, C> {
         };
         self.throughput *= drawn.weight;
         let Some(hit) = drawn.hit else { return Some(here) };
-        let point = world.surface(&hit);
-        let orientation = Orientation::on_side(world.scene(), material, &point, orientation.flipped);
-        if world.has_interiors() {
+        let point = world.surface::<CAN>(&hit);
+        let orientation = Orientation::on_side::<CAN>(world.scene(), material, &point, orientation.flipped);
+        if Self::INTERIORS && world.has_interiors() {
             self.interiors =
                 renderer.interiors_at(leave(&point, orientation.geometric), orientation.geometric);
         }
-        let immersed = renderer.scatterers[material].as_ref()?.immersed(self.interiors.ior());
+        let immersed = renderer.scatterers[material].as_ref()?.immersed(self.ior());
         let offset = surface.position - point.position;
         let dependence = immersed.directional().and_then(|table| {
             DirectionDependence::new(table, &scattering.local, offset, orientation.shading)

@@ -81,7 +81,7 @@ pub(super) struct Course {
     pub lobe: Lobe,
 }
 
-impl<C: RayCaster> Path<'_, C> {
+impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
     /// The guide of a walk that begins with `from` in `body`, if it has one.
     pub(super) fn guide(&mut self, from: &Next, body: &Interior) -> Option<Layer> {
         if !self.renderer.options.guiding {

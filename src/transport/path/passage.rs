@@ -17,7 +17,7 @@ const MOST_PASSED: u32 = 256;
 /// Surfaces that one shadow ray may pass.
 const MOST_CROSSED: u32 = 256;
 
-impl<C: RayCaster> Path<'_, C> {
+impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
     /// True if the surface is there, where it is there in part.
     pub(super) fn covers(&mut self, material: usize, surface: &SurfacePoint) -> bool {
         self.passed += 1;
@@ -25,7 +25,7 @@ impl<C: RayCaster> Path<'_, C> {
             return true;
         }
         let u = self.stream.quad(place::COVERAGE + self.passed)[0];
-        is_covered(self.renderer.world.scene(), material, surface, u)
+        is_covered::<CAN>(self.renderer.world.scene(), material, surface, u)
     }
 
     /// True if a ray in `direction` goes straight through the boundary at `surface`: where indices are equal, where
@@ -56,7 +56,9 @@ impl<C: RayCaster> Path<'_, C> {
     pub(super) fn cross(&mut self, surface: &SurfacePoint, inwards: bool) {
         match self.renderer.world.interior(surface.instance) {
             Some(mut interior) if inwards => {
-                if let Some(medium) = self.medium_inside(surface) {
+                if Self::WALKS
+                    && let Some(medium) = self.medium_inside(surface)
+                {
                     interior.medium = medium;
                 }
                 self.interiors.enter(interior);
@@ -74,7 +76,7 @@ impl<C: RayCaster> Path<'_, C> {
         let Substance::Material(material) = world.substance(surface.instance) else { return None };
         let around = self.interiors.ior_around(surface.instance);
         let scatterer = self.renderer.scatterers[material].as_ref()?;
-        Some(scatterer.medium(around, |input| wanted_albedo(world.scene(), input, surface)))
+        Some(scatterer.medium(around, |input| wanted_albedo::<CAN>(world.scene(), input, surface)))
     }
 
     pub(super) fn bounds(&self, body: &Interior) -> Bounds {
@@ -87,7 +89,8 @@ impl<C: RayCaster> Path<'_, C> {
         let origin = leave(surface, direction);
         let world = &self.renderer.world;
         let inwards = direction.dot(surface.geometric_normal) < 0.0;
-        let crosses = world.has_interiors()
+        let crosses = Self::INTERIORS
+            && world.has_interiors()
             && world.interior(surface.instance).is_some()
             && inwards != (self.interiors.depth_in(surface.instance) > 0);
         if !crosses {
@@ -105,7 +108,9 @@ impl<C: RayCaster> Path<'_, C> {
         let world = &self.renderer.world;
         // Short of the light, whose own surface would occlude it.
         let ray = Ray { origin, direction, t_max: distance * (1.0 - 1e-4) };
-        if world.has_partial_coverage() || self.renderer.has_passages {
+        let may_pass =
+            Self::COVERAGE && world.has_partial_coverage() || Self::WALKS && self.renderer.has_passages;
+        if may_pass {
             let here = self.interiors;
             let arrives = self.transmittance_through(ray, distance);
             self.interiors = here;
@@ -129,12 +134,12 @@ impl<C: RayCaster> Path<'_, C> {
             let Some(hit) = world.caster().closest(&ray) else {
                 return Some(arrives * self.last_attenuation(ray.origin, direction, rest)?);
             };
-            let surface = world.surface(&hit);
+            let surface = world.surface::<CAN>(&hit);
             let Substance::Material(material) = world.substance(hit.instance) else { return None };
             arrives *= self.attenuation(hit.t);
-            if world.has_partial_coverage() && !self.covers(material, &surface) {
+            if Self::COVERAGE && world.has_partial_coverage() && !self.covers(material, &surface) {
                 // Nothing is there.
-            } else if self.renderer.has_passages && self.passes(&surface, direction) {
+            } else if Self::WALKS && self.renderer.has_passages && self.passes(&surface, direction) {
                 self.cross(&surface, direction.dot(surface.geometric_normal) < 0.0);
             } else {
                 return None;
@@ -150,7 +155,7 @@ impl<C: RayCaster> Path<'_, C> {
 
     /// Attenuation from `origin` to the end of a ray that nothing is in the way of any more.
     fn last_attenuation(&self, origin: Vec3, direction: Vec3, distance: f32) -> Option<Rgb> {
-        let Some(body) = self.interiors.current().filter(|body| body.medium.scatters()) else {
+        let Some(body) = self.interiors.current().filter(|body| Self::WALKS && body.medium.scatters()) else {
             return Some(self.attenuation(distance));
         };
         let reach = self.bounds(&body).exit(origin, direction);
@@ -163,7 +168,8 @@ impl<C: RayCaster> Path<'_, C> {
 
     /// Share of light that goes on unscattered over `distance` where the path is.
     fn attenuation(&self, distance: f32) -> Rgb {
-        match self.interiors.current() {
+        let body = if Self::INTERIORS { self.interiors.current() } else { None };
+        match body {
             Some(body) => body.medium.sigma_t().map(|s| if s > 0.0 { (-s * distance).exp() } else { 1.0 }),
             None => Rgb::ONE,
         }

@@ -136,7 +136,7 @@ impl Extinction {
     }
 }
 
-impl<C: RayCaster> Path<'_, C> {
+impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
     /// Walks from `from` in `body` until a flight meets a surface; `None` if the path ends before.
     pub(super) fn walk(&mut self, mut from: Next, body: &Interior) -> Option<Walked> {
         let world = &self.renderer.world;
@@ -168,7 +168,7 @@ impl<C: RayCaster> Path<'_, C> {
                     self.passes_over(extinction, &flight, course.as_ref(), hit.t);
                     return Some(Walked::Met { from, hit });
                 }
-                Some(hit) => leave(&world.surface(&hit), -from.direction),
+                Some(hit) => leave(&world.surface::<CAN>(&hit), -from.direction),
                 None => end,
             };
             if hit.is_none() && !bounds.contains(position) {
@@ -308,7 +308,7 @@ impl<C: RayCaster> Path<'_, C> {
     ) {
         let renderer = self.renderer;
         let u = [self.random.next_f32(), self.random.next_f32(), self.random.next_f32()];
-        let Some(light) = renderer.lights.sample(&renderer.world, receiver, u) else { return };
+        let Some(light) = renderer.lights.sample::<_, CAN>(&renderer.world, receiver, u) else { return };
         let Response { value, density } = response(light.direction);
         if value.is_black() {
             return;

@@ -40,7 +40,7 @@ impl FreeSpace<'_> {
     }
 }
 
-impl<'a, C: RayCaster> Path<'a, C> {
+impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
     /// What is known of the free space in `body`.
     pub(super) fn free_space(&self, body: &Interior) -> FreeSpace<'a> {
         let clearance = self.renderer.clearance(body.instance);
