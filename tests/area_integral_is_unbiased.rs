@@ -5,26 +5,15 @@ mod common;
 
 use alabaster::diffusion::{NormalizedDiffusion, Profile};
 use alabaster::math::SampleStream;
-use alabaster::math::sampler::HashGenerator;
 use alabaster::radiometry::Rgb;
-use alabaster::raycast::{Geometry, Hit, MeshInstance, TriangleMesh};
+use alabaster::raycast::Hit;
 use alabaster::scene::{Mesh, shape};
 use alabaster::transport::ProbeCounters;
 use alabaster::transport::area_integral::AreaIntegral;
 use alabaster::transport::spread::{Channels, Spread};
-use common::scenes::{self, Caster, Statistics, join};
-use glam::{Affine3A, Vec3};
-
-fn caster(mesh: &Mesh) -> Caster {
-    let meshes = [TriangleMesh { positions: &mesh.positions, triangles: &mesh.triangles }];
-    let instances = [MeshInstance { mesh: 0, transform: Affine3A::IDENTITY, probed: true }];
-    scenes::caster(&Geometry { meshes: &meshes, instances: &instances }).unwrap()
-}
-
-fn normal_of(mesh: &Mesh, hit: &Hit) -> Vec3 {
-    let [a, b, c] = mesh.triangles[hit.primitive as usize].map(|i| mesh.positions[i as usize]);
-    (b - a).cross(c - a).normalize()
-}
+use common::probes::{caster, for_each_line, normal_of};
+use common::scenes::{Statistics, join};
+use glam::Vec3;
 
 /// Mean over `draws` lines of Σ w_c f(hit), per channel.
 fn integrate(
@@ -35,28 +24,12 @@ fn integrate(
     draws: u32,
     f: impl Fn(&Hit) -> f32,
 ) -> [Statistics; 3] {
-    let caster = caster(mesh);
-    let spread = Spread::new(d.0.map(|d| NormalizedDiffusion { d }), 1e3);
-    let integral = AreaIntegral {
-        caster: &caster,
-        geometric_normal: |hit: &Hit| normal_of(mesh, hit),
-        instance: 0,
-        spread: &spread,
-        channels: Channels::of(Rgb::ONE),
-        position,
-        position_error: 1e-6,
-        normal,
-    };
-    let mut generator = HashGenerator::new(11);
     let mut statistics: [Statistics; 3] = Default::default();
-    let mut found = Vec::new();
-    for _ in 0..draws {
-        found.clear();
-        integral.crossings(&mut generator, &mut found);
+    for_each_line(&caster(mesh), mesh, d, (position, normal), draws, |found| {
         for (c, statistic) in statistics.iter_mut().enumerate() {
             statistic.add(found.iter().map(|x| f64::from(x.weight[c] * f(&x.hit))).sum());
         }
-    }
+    });
     statistics
 }
 

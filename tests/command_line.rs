@@ -34,7 +34,15 @@ fn render_writes_every_output_and_reports_what_it_did() {
     let report = folder
         .run(&render(&["-o", "a.exr", "-o", "a.png", "--spp", "3", "--threads", "1", "--json"]))
         .report();
-    for key in ["seconds", "samples_per_second", "nonfinite", "rejected", "capped_walks", "firefly_index"] {
+    for key in [
+        "seconds",
+        "samples_per_second",
+        "nonfinite",
+        "rejected",
+        "capped_walks",
+        "firefly_index",
+        "brightest_over_mean",
+    ] {
         assert!(report[key].is_number(), "{key}");
     }
     for key in ["cast", "missed", "hits", "overflowed"] {

@@ -48,6 +48,8 @@ pub struct Report {
     /// `null` while unknown.
     relative_error: Option<f64>,
     firefly_index: f64,
+    /// The largest channel of any sample over the mean of the picture.
+    brightest_over_mean: f64,
     outputs: Vec<PathBuf>,
 }
 
@@ -122,6 +124,7 @@ impl Report {
             probes: Probes { cast, missed, hits, overflowed },
             relative_error: Some(film.relative_error()).filter(|error| error.is_finite()),
             firefly_index: film.firefly_index(),
+            brightest_over_mean: film.brightest_over_mean(),
             outputs: outputs.to_vec(),
         }
     }
@@ -156,12 +159,13 @@ impl Report {
         let chosen = self.method == Method::Auto.name() && !self.methods.is_empty();
         let methods = if chosen { format!("\n{}", self.methods_in_words()) } else { String::new() };
         format!(
-            "{} × {} pixels, {} spp in {} ({}samples/s), relative error {error}{methods}",
+            "{} × {} pixels, {} spp in {} ({}samples/s), relative error {error}, brightest sample {:.0} × the mean{methods}",
             self.width,
             self.height,
             self.spp,
             duration(self.seconds),
             quantity(self.samples_per_second),
+            self.brightest_over_mean,
         )
     }
 

@@ -38,6 +38,8 @@ pub struct Accumulator {
     square_carries: [u32; 3],
     nonfinite: u32,
     clamped: u32,
+    /// Bits of the largest channel of any sample: of numbers that are not negative these are in order.
+    brightest: u32,
     taken: u64,
 }
 
@@ -55,6 +57,7 @@ impl Accumulator {
         }
         let inside = sample.map(|x| x.clamp(-LARGEST, LARGEST));
         self.clamped += u32::from(inside != sample);
+        self.brightest = self.brightest.max(inside.max_component().max(0.0).to_bits());
         for channel in 0..3 {
             // A power of two times an f32, and the square of an f32, are exact in f64.
             let x = f64::from(inside[channel]);
@@ -68,6 +71,7 @@ impl Accumulator {
         self.taken += other.taken;
         self.nonfinite += other.nonfinite;
         self.clamped += other.clamped;
+        self.brightest = self.brightest.max(other.brightest);
         for channel in 0..3 {
             self.sum[channel] += other.sum[channel];
             self.add_squares(channel, other.squares[channel], other.square_carries[channel]);
@@ -93,6 +97,11 @@ impl Accumulator {
     /// Samples of which a channel was clamped to ±[`LARGEST`].
     pub fn clamped(&self) -> u32 {
         self.clamped
+    }
+
+    /// The largest channel of any sample, W/(m² sr); 0 if there are none.
+    pub fn brightest(&self) -> f32 {
+        f32::from_bits(self.brightest)
     }
 
     /// Mean of the samples, W/(m² sr); 0 if there are none.
@@ -158,6 +167,7 @@ mod tests {
     fn what_is_too_large_is_clamped_and_counted() {
         let pixel = of(&[Rgb::new(f32::MAX, 0.0, f32::MIN), Rgb::splat(LARGEST)]);
         assert_eq!((pixel.taken(), pixel.nonfinite(), pixel.clamped()), (2, 0, 1));
+        assert_eq!(pixel.brightest(), LARGEST);
         assert_eq!(pixel.mean(), Rgb::new(LARGEST, LARGEST / 2.0, 0.0));
     }
 
@@ -165,6 +175,7 @@ mod tests {
     fn what_is_not_finite_adds_nothing_but_is_taken() {
         let pixel = of(&[Rgb::splat(2.0), Rgb::new(1.0, f32::NAN, 1.0), Rgb::new(f32::INFINITY, 0.0, 0.0)]);
         assert_eq!((pixel.taken(), pixel.nonfinite(), pixel.clamped()), (3, 2, 0));
+        assert_eq!(pixel.brightest(), 2.0);
         assert_eq!(pixel.mean(), Rgb::splat(2.0 / 3.0));
     }
 

@@ -113,7 +113,7 @@ impl Film {
         Picture { width: self.width, height: self.height, pixels }
     }
 
-    /// Samples over all pixels: taken, not finite, clamped; and the fewest that a pixel has.
+    /// Samples over all pixels: taken, not finite, clamped, the brightest; and the fewest that a pixel has.
     pub fn tally(&self) -> Tally {
         let mut tally = Tally { fewest: u64::MAX, ..Tally::default() };
         for pixel in self.rows() {
@@ -121,6 +121,7 @@ impl Film {
             tally.nonfinite += u64::from(pixel.nonfinite());
             tally.clamped += u64::from(pixel.clamped());
             tally.fewest = tally.fewest.min(pixel.taken());
+            tally.brightest = tally.brightest.max(pixel.brightest());
         }
         tally
     }
@@ -136,6 +137,13 @@ impl Film {
     pub fn relative_error(&self) -> f64 {
         let sum: f64 = self.rows().map(relative_variance).sum();
         (sum / (3.0 * self.pixel_count() as f64)).sqrt()
+    }
+
+    /// The largest channel of any sample over the mean of the picture: what one path brings at most. 0 for a black picture.
+    pub fn brightest_over_mean(&self) -> f64 {
+        let mean =
+            self.rows().map(|pixel| f64::from(pixel.mean().mean())).sum::<f64>() / self.pixel_count() as f64;
+        if mean > 0.0 { f64::from(self.tally().brightest) / mean } else { 0.0 }
     }
 
     /// Share of the picture's total relative variance that stands in its noisiest 0.1 % of pixels
@@ -154,7 +162,7 @@ impl Film {
 }
 
 /// Sums over the pixels of a film.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tally {
     /// Samples taken.
     pub taken: u64,
@@ -164,6 +172,8 @@ pub struct Tally {
     pub clamped: u64,
     /// Samples of the pixel that has fewest.
     pub fewest: u64,
+    /// The largest channel of any sample, W/(m² sr).
+    pub brightest: f32,
 }
 
 fn relative_variance(pixel: &Accumulator) -> f64 {
@@ -217,5 +227,7 @@ mod tests {
         }
         film.pixels[17].add(Rgb::splat(100.0));
         assert_eq!(film.firefly_index(), 1.0);
+        // The pixel's mean is 34, that of the picture 1 + 33/2000.
+        assert!((film.brightest_over_mean() - 100.0 / 1.0165).abs() < 1e-9);
     }
 }

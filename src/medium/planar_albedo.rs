@@ -1,5 +1,7 @@
 //! The albedo of a thick flat body as a table, for use at every point of a surface.
 
+use std::sync::LazyLock;
+
 use super::Entry;
 use super::albedo_inversion::{AlbedoInversion, LossScale, unreduced_share};
 use super::plane_parallel::PlaneParallel;
@@ -35,6 +37,12 @@ impl PlanarAlbedo {
             })
             .collect();
         Self { scale, loss: MonotoneCubic::new(&loss) }
+    }
+
+    /// That of matched indices and isotropic scattering, which normalized diffusion was fitted to. Tabulated once (some 0.1 s).
+    pub fn matched() -> &'static Self {
+        static MATCHED: LazyLock<PlanarAlbedo> = LazyLock::new(|| PlanarAlbedo::new(1.0, 0.0));
+        &MATCHED
     }
 
     /// Albedo where the share `absorbed_share` = σ_a/σ_t' of the *reduced* medium is absorbed.

@@ -136,9 +136,9 @@ fn coefficients(input: &ScatteringInput, ior: f32) -> Medium {
 
 /// By normalized diffusion, m.
 fn exit_distances(medium: &Medium) -> [f64; 3] {
-    let matched = PlanarAlbedo::new(1.0, 0.0);
     let distance = |absorbed: f32, sigma_t: f32| {
-        let profile = NormalizedDiffusion::from_albedo(matched.albedo(absorbed), 1.0 / sigma_t);
+        let profile =
+            NormalizedDiffusion::from_albedo(PlanarAlbedo::matched().albedo(absorbed), 1.0 / sigma_t);
         (MEAN_DISTANCE * f64::from(profile.d)) as f32
     };
     medium.absorbed_share_reduced().zip(medium.sigma_t_reduced(), distance).0.map(f64::from)

@@ -13,6 +13,7 @@ pub mod light_choice;
 pub mod light_sampling;
 mod path;
 mod placement;
+mod recenter;
 pub mod renderer;
 pub mod scatterer;
 mod shading;

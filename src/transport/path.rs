@@ -73,6 +73,22 @@ struct Next {
     direction: Vec3,
 }
 
+/// A triangle that a path leaves.
+#[derive(Clone, Copy)]
+struct Entrance {
+    /// Unit normal.
+    normal: Vec3,
+    /// How far the path was moved off it, m.
+    offset: f32,
+}
+
+impl Entrance {
+    fn new(surface: &SurfacePoint, origin: Vec3) -> Self {
+        let normal = surface.geometric_normal;
+        Self { normal, offset: (origin - surface.position).dot(normal).abs() }
+    }
+}
+
 /// A path under construction.
 pub(super) struct Path<'a, C, const CAN: u32> {
     renderer: &'a Renderer<C>,
@@ -87,8 +103,8 @@ pub(super) struct Path<'a, C, const CAN: u32> {
     passed: u32,
     /// Flights inside scattering bodies.
     flights: u32,
-    /// Normal of the triangle through which or from which the path last went on.
-    entrance: Option<Vec3>,
+    /// The triangle through which or from which the path last went on.
+    entrance: Option<Entrance>,
     /// How walks are drawn.
     technique: Technique,
     /// What the path is expected to carry where it finds light, at most: roulette plays with what is less.
@@ -358,10 +374,11 @@ impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
         if Self::INTERIORS && sample.crosses_boundary {
             self.cross(surface, wo.dot(surface.geometric_normal) > 0.0);
         }
+        let next = Next { origin: leave(surface, direction), direction };
         if Self::WALKS {
-            self.entrance = Some(surface.geometric_normal);
+            self.entrance = Some(Entrance::new(surface, next.origin));
         }
-        Some(Next { origin: leave(surface, direction), direction })
+        Some(next)
     }
 
     /// What scatters light at a surface that acts where it is hit.

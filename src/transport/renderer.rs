@@ -8,6 +8,7 @@ use super::counters::Counters;
 use super::interiors::Interiors;
 use super::light_sampling::LightSampler;
 use super::path::{Path, place};
+use super::recenter::recenter;
 use super::scatterer::{Scatterer, ScattererError, Uses};
 use super::substance::Substance;
 use super::warnings::warnings;
@@ -111,6 +112,8 @@ pub struct Renderer<C> {
     pub(super) has_walks: bool,
     plan: Plan,
     kernel: Kernel,
+    /// Where the origin of the renderer's coordinates is in the scene as it was given, m.
+    center: Vec3,
     /// By instance: some light lies in the bounding box of a body that paths walk in.
     lit_inside: Vec<bool>,
     /// By instance: free space in bodies that paths walk in, where it is used.
@@ -132,6 +135,7 @@ impl<C: RayCaster> Renderer<C> {
         if !kernel.suits(plan.needed) {
             return Err(RenderError::LeftOut);
         }
+        let center = recenter(&mut scene);
         let camera = scene.camera.rays(scene.film.width as f32 / scene.film.height as f32);
         let world = World::new(scene, plan.methods(), build)?;
         let scene = world.scene();
@@ -163,6 +167,7 @@ impl<C: RayCaster> Renderer<C> {
             has_walks,
             plan,
             kernel,
+            center,
             lit_inside,
             clearances,
             camera,
@@ -170,7 +175,7 @@ impl<C: RayCaster> Renderer<C> {
         })
     }
 
-    /// The scene, lights included as geometry.
+    /// The scene, lights included as geometry; around the origin if it was given far from it.
     pub fn scene(&self) -> &Scene {
         self.world.scene()
     }
@@ -269,6 +274,7 @@ impl<C: RayCaster> Renderer<C> {
     /// Radiance, W/(m² sr), that sample number `sample` finds to arrive at `origin` (m) from unit `direction`, by the generic kernel.
     pub fn radiance(&self, origin: Vec3, direction: Vec3, sample: u64, counters: &mut Counters) -> Rgb {
         let stream = SampleStream::new(self.options.seed, u64::MAX, sample);
+        let origin = origin - self.center;
         let interiors = self.interiors_at(origin, UPWARDS);
         Path::<C, { Kernel::Generic.abilities().bits() }>::new(self, stream, &interiors, counters)
             .radiance(origin, direction)

@@ -66,9 +66,6 @@ pub struct Uses {
 /// A translucent material, for every surrounding that the scene can give it.
 pub struct Scatterer {
     input: ScatteringInput,
-    /// The albedo of isotropic scattering without a boundary, by which normalized diffusion is
-    /// parametrised.
-    matched: PlanarAlbedo,
     immersed: Vec<Immersed>,
 }
 
@@ -174,8 +171,7 @@ impl Scatterer {
                 around.push(ior);
             }
         }
-        let mut scatterer =
-            Self { input: medium.clone(), matched: PlanarAlbedo::new(1.0, 0.0), immersed: Vec::new() };
+        let mut scatterer = Self { input: medium.clone(), immersed: Vec::new() };
         let g = f64::from(medium.g());
         for ior_around in around {
             let eta = f64::from(ior / ior_around);
@@ -308,9 +304,9 @@ impl Scatterer {
 
     fn local(&self, immersed: &Immersed, albedo: Rgb, absorbed: Rgb, free_path: Rgb) -> Local {
         let length = match immersed.form {
-            Form::Normalized => {
-                absorbed.zip(free_path, |x, l| NormalizedDiffusion::from_albedo(self.matched.albedo(x), l).d)
-            }
+            Form::Normalized => absorbed.zip(free_path, |x, l| {
+                NormalizedDiffusion::from_albedo(PlanarAlbedo::matched().albedo(x), l).d
+            }),
             Form::Shaped { .. } => free_path,
         };
         Local { albedo, absorbed, length }

@@ -2,10 +2,12 @@
 #![allow(dead_code)]
 
 pub mod assets;
+pub mod backends;
 pub mod bodies;
 pub mod bsdfs;
 pub mod cpu_time;
 pub mod method_error;
+pub mod probes;
 pub mod scenes;
 pub mod volumetric;
 pub mod walks;

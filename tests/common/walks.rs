@@ -1,6 +1,7 @@
 //! What the tests of the random walk share.
 
 use alabaster::radiometry::Rgb;
+use alabaster::raycast::RayCaster;
 use alabaster::scene::{Mesh, Method, Scene};
 use alabaster::transport::{Counters, RenderOptions, Renderer};
 use glam::Vec3;
@@ -38,7 +39,7 @@ impl Found {
         self.radiance.iter_mut().zip(radiance.0).for_each(|(all, x)| all.add(f64::from(x)));
     }
 
-    fn merge(&mut self, part: &Self) {
+    pub fn merge(&mut self, part: &Self) {
         self.counters.merge(&part.counters);
         self.collisions.merge(&part.collisions);
         self.mean.merge(&part.mean);
@@ -48,7 +49,11 @@ impl Found {
 
 /// Radiance and collisions for `count` rays, the origin and direction of each by `ray`. The result does not depend
 /// on the number of threads.
-pub fn trace(renderer: &Renderer<Caster>, count: u64, ray: impl Fn(u64) -> (Vec3, Vec3) + Sync) -> Found {
+pub fn trace<C: RayCaster>(
+    renderer: &Renderer<C>,
+    count: u64,
+    ray: impl Fn(u64) -> (Vec3, Vec3) + Sync,
+) -> Found {
     const PART: u64 = 1024;
     let parts: Vec<Found> = (0..count.div_ceil(PART))
         .into_par_iter()
@@ -69,16 +74,24 @@ pub fn trace(renderer: &Renderer<Caster>, count: u64, ray: impl Fn(u64) -> (Vec3
     all
 }
 
-/// Every pixel of the scene's picture, `samples` times.
-pub fn picture(renderer: &Renderer<Caster>, samples: u64) -> Found {
+/// Every pixel of the scene's picture, `samples` times. The result does not depend on the number of threads.
+pub fn picture<C: RayCaster>(renderer: &Renderer<C>, samples: u64) -> Found {
     let (width, height) = (renderer.scene().film.width, renderer.scene().film.height);
-    let mut found = Found::default();
-    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
-        for sample in 0..samples {
-            let radiance = renderer.sample(x, y, sample, &mut found.counters);
-            found.add(radiance);
+    let row = |y: u32| {
+        let mut found = Found::default();
+        for x in 0..width {
+            for sample in 0..samples {
+                let before = found.counters.collisions;
+                let radiance = renderer.sample(x, y, sample, &mut found.counters);
+                found.collisions.add((found.counters.collisions - before) as f64);
+                found.add(radiance);
+            }
         }
-    }
+        found
+    };
+    let rows: Vec<Found> = (0..height).into_par_iter().map(row).collect();
+    let mut found = Found::default();
+    rows.iter().for_each(|row| found.merge(row));
     found
 }
 

@@ -117,7 +117,9 @@ pub fn record<C: RayCaster>(renderer: &Renderer<Recorder<C>>, limit: usize) -> R
 
 /// A sample of a pixel.
 pub struct Sample {
+    /// Column of the pixel.
     pub x: u32,
+    /// Row of the pixel.
     pub y: u32,
     /// Its number among those of the pixel.
     pub index: u64,

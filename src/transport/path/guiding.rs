@@ -89,7 +89,7 @@ impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
         }
         let bounds = self.bounds(body);
         let guide = self.guide_of(body).filter(|guide| guide.pays_in(bounds.width()))?;
-        let normal = self.entrance?;
+        let normal = self.entrance?.normal;
         let normal = if normal.dot(from.direction) > 0.0 { -normal } else { normal };
         if self.technique.guided.is_none() {
             self.technique.guided = Some(self.random.next_f32() >= CLASSIC);

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{Next, Path, leave, place, wanted_albedo};
+use super::{Entrance, Next, Path, leave, place, wanted_albedo};
 use crate::medium::Medium;
 use crate::radiometry::Rgb;
 use crate::raycast::{Ray, RayCaster};
@@ -47,9 +47,10 @@ impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
     /// Follows a ray in `direction` straight through the boundary at `surface`.
     pub(super) fn pass(&mut self, surface: &SurfacePoint, direction: Vec3) -> Option<Next> {
         self.counts_flight()?;
-        self.entrance = Some(surface.geometric_normal);
+        let next = Next { origin: leave(surface, direction), direction };
+        self.entrance = Some(Entrance::new(surface, next.origin));
         self.cross(surface, direction.dot(surface.geometric_normal) < 0.0);
-        Some(Next { origin: leave(surface, direction), direction })
+        Some(next)
     }
 
     /// Enters or leaves the body of `surface`.
