@@ -59,7 +59,7 @@ pub fn for_each_line(
     }
 }
 
-/// What `visit` gathers of the same lines with every backend of this build, and the name of each.
+/// What `visit` gathers of the same lines with every backend that pictures are made with, and the name of each.
 pub fn lines_on_backends<S: Default>(
     mesh: &Mesh,
     d: Rgb,
@@ -71,13 +71,13 @@ pub fn lines_on_backends<S: Default>(
         let mut gathered = S::default();
         let gather = |found: &[Crossing]| visit(&mut gathered, found);
         match backend {
-            Backend::Bvh => {
+            Backend::Embree => for_each_line(&caster(mesh), mesh, d, place, draws, gather),
+            _ => {
                 let caster = with_geometry(mesh, |geometry| BvhCaster::new(geometry).unwrap());
                 for_each_line(&caster, mesh, d, place, draws, gather);
             }
-            Backend::Embree => for_each_line(&caster(mesh), mesh, d, place, draws, gather),
         }
         (backend.name(), gathered)
     };
-    Backend::available().iter().map(with).collect()
+    Backend::available().iter().filter(|backend| **backend != Backend::Obvhs).map(with).collect()
 }
