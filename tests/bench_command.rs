@@ -38,7 +38,9 @@ fn json_has_the_keys_of_the_contract() {
     for kind in ["camera", "bounce", "shadow", "probe", "render"] {
         assert!(found["ratio"][kind].as_f64() > Some(0.0), "{kind}");
     }
-    assert_eq!(found["rays"], 8_000);
+    // As many as asked for of each kind, but for probes, for which few of the paths have a use.
+    let rays = found["rays"].as_u64().unwrap();
+    assert!((6_000..=8_000).contains(&rays) && found["agreement"]["rays"] == rays, "{rays}");
     assert!(found["triangles"].as_u64() > Some(0) && found["threads"].as_u64() > Some(0));
 }
 
