@@ -217,7 +217,7 @@ fn wrong_command_lines_are_refused() {
         (&["-o", "a.exr", "--accuracy", "NaN"], "above 0, 1 at most"),
         (&["-o", "a.exr", "--accuracy", "1.01"], "above 0, 1 at most"),
         (&["-o", "a.exr", "--accuracy", "101%"], "above 0, 1 at most"),
-        (&["-o", "a.exr", "--backend", "magic"], "[possible values: embree, bvh]"),
+        (&["-o", "a.exr", "--backend", "magic"], "[possible values: embree, bvh, obvhs]"),
         (&["-o", "a.exr", "--aov", "depth"], "depth"),
     ];
     for (arguments, part) in cases {
