@@ -314,3 +314,23 @@ fn help_and_version_are_no_errors() {
         assert!(!stdout.is_empty() && stderr.is_empty());
     }
 }
+
+/// Five million triangles where there is room for the scene, but not for a hierarchy.
+#[cfg(unix)]
+#[test]
+fn triangles_beyond_memory_are_refused_with_the_bytes() {
+    let folder = Folder::new();
+    let ball = |x: u32| {
+        format!("[[object]]\nshape = \"sphere\"\ncenter = [{x}, 0, 0]\nradius = 0.4\nmaterial = \"chalk\"\n")
+    };
+    let material = "[material.chalk]\ntype = \"diffuse\"\nreflectance = 0.8\n[environment]\nradiance = 1\n";
+    let balls: String = (0..60).map(ball).collect();
+    fs::write(folder.path("balls.toml"), format!("{balls}{material}")).unwrap();
+    let arguments = ["render", "balls.toml", "-o", "balls.exr", "--spp", "1", "--quiet", "--threads", "1"];
+    for backend in Backend::available() {
+        let arguments = [&arguments[..], &["--backend", backend.name()]].concat();
+        let run = program::run_within_memory(800_000, &folder.path("."), &arguments);
+        run.fails(3, "not enough memory for the hierarchy over the triangles (707788800 bytes)");
+    }
+    assert_eq!(folder.names(), ["balls.toml"]);
+}

@@ -13,7 +13,7 @@ use super::threads::ThreadArgs;
 use crate::scene::read_scene;
 use crate::study::race::Kind;
 use crate::study::race::agreement::{Agreement, Disagreement};
-use crate::study::race::contest::{Contestant, Results, Settings, contest};
+use crate::study::race::contest::{ContestError, Contestant, Results, Settings, contest};
 use crate::study::race::replay::Spread;
 use crate::study::race::scene::ball;
 use crate::transport::RenderOptions;
@@ -29,6 +29,9 @@ pub struct BenchArgs {
     /// Turns of each ray caster
     #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u16).range(1..=1000))]
     rounds: u16,
+    /// Rays of all kinds together whose hits are compared [default: those that are raced on]
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    compare: u64,
     #[command(flatten)]
     subsurface: SubsurfaceArgs,
     /// Seed of all random numbers
@@ -44,6 +47,15 @@ pub struct BenchArgs {
     json: bool,
 }
 
+impl From<ContestError> for CliError {
+    fn from(error: ContestError) -> Self {
+        match error {
+            ContestError::Render(error) => error.into(),
+            ContestError::Film(error) => error.into(),
+        }
+    }
+}
+
 /// Lets the ray casters of this build race on the rays of a scene.
 pub fn run(args: &BenchArgs) -> Result<(), CliError> {
     args.threads.start()?;
@@ -56,6 +68,7 @@ pub fn run(args: &BenchArgs) -> Result<(), CliError> {
     let settings = Settings {
         rays: args.rays as usize,
         rounds: args.rounds.into(),
+        compared: args.compare,
         options: RenderOptions::of(&scene, args.seed),
     };
     let bar = Bar::start(args.quiet);
@@ -134,6 +147,7 @@ fn agreement_as_json(agreement: &Agreement) -> Value {
         "within_ulp": agreement.within_rounding,
         "missing": agreement.missing,
         "extra": agreement.extra,
+        "unexplained": agreement.unexplained,
         "examples": agreement.examples.iter().map(example_as_json).collect::<Vec<_>>(),
     })
 }
@@ -151,6 +165,7 @@ fn example_as_json(example: &Disagreement) -> Value {
         "t_max": example.ray.t_max.is_finite().then_some(example.ray.t_max),
         "first": hits(&example.first),
         "second": hits(&example.second),
+        "cause": example.cause.name(),
     })
 }
 
@@ -200,13 +215,14 @@ fn as_text(results: &Results) -> String {
     for contestant in &results.contestants[1..] {
         let a = &contestant.agreement;
         lines.push(format!(
-            "{} against {first}: of {} rays {} have the same hits to the bit, {} within rounding; {} lack one, {} have one more",
+            "{} against {first}: of {} rays {} have the same hits to the bit, {} within rounding; {} lack one, {} have one more; {} for no cause that is known",
             contestant.backend.name(),
             a.rays,
             a.identical,
             a.within_rounding,
             a.missing,
-            a.extra
+            a.extra,
+            a.unexplained
         ));
         lines.extend(a.examples.iter().map(example_as_text));
     }
@@ -223,13 +239,14 @@ fn example_as_text(example: &Disagreement) -> String {
             hits.iter().map(hit).collect::<Vec<_>>().join(", ")
         }
     };
-    let Disagreement { kind, ray, first, second } = example;
+    let Disagreement { kind, ray, first, second, cause } = example;
     format!(
-        "  {} from {} along {}: {}; now {}",
+        "  {} from {} along {}: {}; now {} ({})",
         name(*kind),
         ray.origin,
         ray.direction,
         hits(first),
-        hits(second)
+        hits(second),
+        cause.name()
     )
 }

@@ -23,6 +23,16 @@ impl ForceArgs {
         Ok(Forces::new(self.force.iter().copied())?)
     }
 
+    /// Refuses to switch a method, where methods are what is compared.
+    pub fn refuse_methods(&self) -> Result<(), CliError> {
+        match self.force.iter().find(|(kind, _)| kind.is_method()) {
+            None => Ok(()),
+            Some((kind, _)) => {
+                Err(CliError::input(format!("--force {}: name what to compare by --methods", kind.word())))
+            }
+        }
+    }
+
     /// Reads a scene without what no effect that is on needs.
     pub fn read_scene(&self, path: &Path) -> Result<Scene, CliError> {
         let forces = self.forces()?;

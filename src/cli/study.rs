@@ -9,6 +9,7 @@ use super::bar::Bar;
 use super::choice::positive;
 use super::console::{print_line, say};
 use super::error::CliError;
+use super::force::ForceArgs;
 use super::progress::time_left;
 use super::stop::Stop;
 use super::threads::ThreadArgs;
@@ -16,7 +17,7 @@ use crate::film::layers::Channel;
 use crate::film::output::replace;
 use crate::film::{Picture, exr};
 use crate::raycast::{Backend, Geometry, RayCaster, RaycastError};
-use crate::scene::{Scene, read_scene};
+use crate::scene::Scene;
 use crate::study::accuracy::{
     Outcome, Results, Settings, Store, StudyError, Watch, affordable, candidates, digest, report, study,
     summary, tables,
@@ -51,6 +52,8 @@ pub struct StudyArgs {
     /// What casts the rays
     #[arg(long, value_parser = super::choice::named(Backend::NAMES), default_value = Backend::default().name())]
     backend: Backend,
+    #[command(flatten)]
+    force: ForceArgs,
     /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
@@ -83,7 +86,8 @@ pub fn run(args: &StudyArgs) -> Result<(), CliError> {
     let [reference] = reference[..] else {
         return Err(CliError::input("--reference: give one profile, or walk"));
     };
-    let mut scene = read_scene(&args.scene)?;
+    args.force.refuse_methods()?;
+    let mut scene = args.force.read_scene(&args.scene)?;
     scene.warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
     (scene.film.width, scene.film.height) = size(args, &scene);
     let settings = Settings {

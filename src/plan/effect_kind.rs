@@ -41,11 +41,13 @@ pub enum EffectKind {
     Environment,
     /// Depth of field.
     Lens,
+    /// Light that comes by way of more than one surface.
+    IndirectLight,
 }
 
 impl EffectKind {
     /// All of them, in the order of reports.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::SubsurfaceScattering,
         Self::AreaIntegral,
         Self::RandomWalk,
@@ -64,6 +66,7 @@ impl EffectKind {
         Self::LightsWithoutSize,
         Self::Environment,
         Self::Lens,
+        Self::IndirectLight,
     ];
 
     /// Its name in reports.
@@ -87,7 +90,13 @@ impl EffectKind {
             Self::LightsWithoutSize => "lights without size",
             Self::Environment => "environment",
             Self::Lens => "lens",
+            Self::IndirectLight => "indirect light",
         }
+    }
+
+    /// True if it is a choice of how light under the surface is computed.
+    pub fn is_method(self) -> bool {
+        matches!(self, Self::SubsurfaceScattering | Self::AreaIntegral | Self::RandomWalk)
     }
 
     /// Its name as one word, as it is typed.
@@ -116,7 +125,8 @@ impl EffectKind {
             | Self::AreaLights
             | Self::LightsWithoutSize
             | Self::Environment
-            | Self::Lens => Abilities::NONE,
+            | Self::Lens
+            | Self::IndirectLight => Abilities::NONE,
         }
     }
 }

@@ -62,6 +62,7 @@ fn caller(kind: EffectKind) -> Caller {
         EffectKind::LightsWithoutSize => Scene(delta_lights, "every light has a size"),
         EffectKind::Environment => Scene(environment, "no light comes from far around"),
         EffectKind::Lens => Scene(lens, "the camera is a pinhole"),
+        EffectKind::IndirectLight => Scene(indirect_light, "paths end after one bounce"),
     }
 }
 
@@ -100,7 +101,13 @@ fn users(scene: &Scene, cause: Cause) -> Option<String> {
 
 fn rendered_by(objects: &[PlannedObject], method: Method) -> Option<String> {
     let users = objects.iter().filter(|object| object.method == method);
-    first_of(users.map(|object| format!("{}: {}", quoted("object", &object.object), object.reason)))
+    first_of(users.map(|object| {
+        let profile = match method {
+            Method::Bssrdf => format!(" with the profile {}", object.profile.name()),
+            _ => String::new(),
+        };
+        format!("{}{profile}: {}", quoted("object", &object.object), object.reason)
+    }))
 }
 
 /// The first, and how many more there are.
@@ -276,4 +283,12 @@ fn environment(scene: &Scene) -> Option<String> {
 fn lens(scene: &Scene) -> Option<String> {
     let aperture = scene.camera.aperture;
     (aperture > 0.0).then(|| format!("the lens is {} mm wide", 1000.0 * aperture))
+}
+
+fn indirect_light(scene: &Scene) -> Option<String> {
+    match scene.render.max_depth {
+        0 => Some("paths go on until roulette ends them".into()),
+        1 => None,
+        depth => Some(format!("paths go on for up to {depth} bounces")),
+    }
 }

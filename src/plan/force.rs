@@ -145,6 +145,7 @@ fn remedy(kind: EffectKind) -> Option<&'static str> {
         EffectKind::LightsWithoutSize => "add a light of type \"point\", \"spot\" or \"directional\"",
         EffectKind::Environment => "add an [environment]",
         EffectKind::Lens => "give the camera an `aperture`",
+        EffectKind::IndirectLight => "take `max_depth` out of [render]",
         EffectKind::Refraction
         | EffectKind::Absorption
         | EffectKind::TexturedCoefficients

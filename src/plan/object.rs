@@ -10,7 +10,7 @@ use crate::medium::albedo_inversion::unreduced_share;
 use crate::medium::{Medium, PlanarAlbedo};
 use crate::optics::is_smooth;
 use crate::radiometry::Rgb;
-use crate::scene::{Light, Method, ProfileChoice, ScatteringInput, Scene, Surface};
+use crate::scene::{Light, Method, ScatteringInput, Scene, Surface};
 
 /// Mean distance between entry and exit in units of the scale d of normalized diffusion: that of its density
 /// (e^(−r/d) + e^(−r/3d))/(8π d r).
@@ -58,6 +58,8 @@ pub struct PlannedObject {
     pub exit_distance: [f64; 3],
     /// Width of what a pixel shows of it, m.
     pub pixel_footprint: f64,
+    /// The diffusion profile that the area integral takes.
+    pub profile: ProfileKind,
     /// What is to be expected.
     pub expected: Expected,
     /// The method that it gets.
@@ -83,6 +85,8 @@ impl PlannedObject {
         let absorbed = medium.absorbed_share_reduced().0.map(f64::from);
         let exit_distance = exit_distances(&medium);
         let form = Form::of(&body);
+        let automatic = || ProfileKind::automatic(f64::from(*ior), f64::from(medium.g));
+        let profile = request.profile.kind().unwrap_or_else(automatic);
         let channels = [0, 1, 2].map(|c| {
             let place = Place { form, eta: f64::from(*ior), absorbed: absorbed[c], thickness: thickness[c] };
             let errors = ModelErrors::at(&place)?;
@@ -96,7 +100,8 @@ impl PlannedObject {
         let expected = Expected {
             diffuse: largest(|errors| errors.diffuse),
             bssrdf: largest(|errors| errors.bssrdf)
-                .filter(|_| has_tabulated_profile(request.profile, *ior, medium.g)),
+                // The table of errors was made with this one.
+                .filter(|_| profile == ProfileKind::Tabulated),
             walk: obstacle(scene, measured.flaws(scene, placed.mesh), *ior, *roughness).map_or(Ok(0.0), Err),
         };
         let (method, reason) = decide(&expected, request);
@@ -109,6 +114,7 @@ impl PlannedObject {
             absorbed,
             exit_distance,
             pixel_footprint,
+            profile,
             expected,
             method,
             reason,
@@ -149,12 +155,6 @@ fn exit_distances(medium: &Medium) -> [f64; 3] {
 /// one of scale/2 for the picture. Pixels that are wider than s average over it.
 fn shadow_edge_error(s: f64, scale: f64, pixel: f64) -> f64 {
     (s / (2.0 * scale) * (s / pixel).min(1.0)).sqrt()
-}
-
-/// True if the profile is the one that the table of errors was made with.
-fn has_tabulated_profile(choice: ProfileChoice, ior: f32, g: f32) -> bool {
-    let automatic = || ProfileKind::automatic(f64::from(ior), f64::from(g));
-    choice.kind().unwrap_or_else(automatic) == ProfileKind::Tabulated
 }
 
 /// What keeps paths from walking in a body; completes "the object cannot be walked in: …".

@@ -15,6 +15,7 @@ pub fn leave_out(scene: &mut Scene, kind: EffectKind) {
         EffectKind::LightsWithoutSize => scene.lights.retain(Light::has_size),
         EffectKind::Environment => scene.environment = None,
         EffectKind::Lens => scene.camera.aperture = 0.0,
+        EffectKind::IndirectLight => scene.render.max_depth = 1,
         EffectKind::SubsurfaceScattering
         | EffectKind::AreaIntegral
         | EffectKind::RandomWalk

@@ -120,11 +120,11 @@ pub struct Geometry<'a> {
 }
 
 impl Geometry<'_> {
-    /// Checks that every index is in range and every count fits into an index: what a backend relies on
-    /// and cannot find out later.
+    /// Checks that every index is in range and every count fits into an index, and that there is memory for a hierarchy: what a backend
+    /// relies on and cannot find out later.
     ///
     /// # Errors
-    /// [`RaycastError::VertexIndex`], [`RaycastError::MeshIndex`] or [`RaycastError::TooLarge`].
+    /// [`RaycastError::VertexIndex`], [`RaycastError::MeshIndex`], [`RaycastError::TooLarge`] or [`RaycastError::Memory`].
     pub fn validate(&self) -> Result<(), RaycastError> {
         for (mesh, data) in self.meshes.iter().enumerate() {
             let limit = u32::MAX as usize;
@@ -138,11 +138,24 @@ impl Geometry<'_> {
                 return Err(RaycastError::VertexIndex { mesh, triangle });
             }
         }
-        match self.instances.iter().position(|instance| instance.mesh >= self.meshes.len()) {
-            Some(instance) => Err(RaycastError::MeshIndex { instance }),
-            None => Ok(()),
+        if let Some(instance) = self.instances.iter().position(|placed| placed.mesh >= self.meshes.len()) {
+            return Err(RaycastError::MeshIndex { instance });
         }
+        let triangles: usize = self.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+        ensure_memory(triangles.saturating_mul(BYTES_PER_TRIANGLE))
     }
+}
+
+/// Bytes that backends take for each triangle while they build, the thriftiest of them at least.
+const BYTES_PER_TRIANGLE: usize = 144;
+
+/// Asks for so many bytes and gives them back: where an allocation in the middle of a build fails, the program could only abort.
+fn ensure_memory(bytes: usize) -> Result<(), RaycastError> {
+    let mut room: Vec<u8> = Vec::new();
+    let found = room.try_reserve_exact(bytes);
+    // Or else the compiler leaves out the allocation, as nothing is put there.
+    std::hint::black_box(&mut room);
+    found.map_err(|_| RaycastError::Memory { bytes })
 }
 
 /// Why a backend could not be built.
@@ -179,6 +192,14 @@ pub enum RaycastError {
     MeshIndex {
         /// Index of the instance.
         instance: usize,
+    },
+    /// The memory is not there.
+    #[error(
+        "not enough memory for the hierarchy over the triangles ({bytes} bytes); use fewer triangles, or more memory"
+    )]
+    Memory {
+        /// What is needed.
+        bytes: usize,
     },
     /// A hierarchy cannot be built.
     #[error("the hierarchy over the triangles cannot be built: {message}")]

@@ -18,7 +18,7 @@ use crate::math::SampleStream;
 use crate::math::robust::offset_from_surface;
 use crate::plan::{Abilities, ForceError, Forces, Kernel, Plan, Request};
 use crate::radiometry::Rgb;
-use crate::raycast::{Geometry, Ray, RayCaster, RaycastError};
+use crate::raycast::{Geometry, Hit, Ray, RayCaster, RaycastError};
 use crate::scene::camera::CameraRays;
 use crate::scene::{
     ColorMode, Light, Method, ProfileChoice, ScatteringInput, Scene, SubsurfaceSettings, Surface,
@@ -126,11 +126,14 @@ impl<C: RayCaster> Renderer<C> {
     /// Prepares `scene`; `build` makes the ray caster from its triangles.
     pub fn new(
         mut scene: Scene,
-        options: RenderOptions,
+        mut options: RenderOptions,
         build: impl FnOnce(&Geometry) -> Result<C, RaycastError>,
     ) -> Result<Self, RenderError> {
         check(&scene)?;
+        // The plan is to know how long paths are to be, and may shorten them.
+        scene.render.max_depth = options.max_depth;
         let plan = Plan::prepare(&mut scene, &Request::from(&options))?;
+        options.max_depth = scene.render.max_depth;
         let kernel = plan.kernel;
         if !kernel.suits(plan.needed) {
             return Err(RenderError::LeftOut);
@@ -208,6 +211,11 @@ impl<C: RayCaster> Renderer<C> {
         let suits = kernel.suits(self.plan.needed);
         self.kernel = if suits { kernel } else { self.kernel };
         suits
+    }
+
+    /// The corners of the triangle that was met, around the renderer's origin as its rays are.
+    pub fn triangle(&self, hit: &Hit) -> [Vec3; 3] {
+        self.world.triangle(hit.instance, hit.primitive)
     }
 
     /// The ray caster.

@@ -122,19 +122,27 @@ pub fn run(folder: &Path, arguments: &[&str]) -> Run {
 /// The same, with another limit on its time.
 #[track_caller]
 pub fn run_within(limit: Duration, folder: &Path, arguments: &[&str]) -> Run {
-    let output = Command::new(env!("CARGO_BIN_EXE_alabaster"))
-        .current_dir(folder)
-        .env_remove("RUST_LOG")
-        .env("RUST_BACKTRACE", "1")
-        .args(arguments)
-        .timeout(limit)
-        .output()
-        .unwrap();
+    end(Command::new(env!("CARGO_BIN_EXE_alabaster")).args(arguments), limit, folder)
+}
+
+/// Runs the program in `folder` with so many KiB of addresses.
+#[cfg(unix)]
+#[track_caller]
+pub fn run_within_memory(limit: u64, folder: &Path, arguments: &[&str]) -> Run {
+    let mut shell = Command::new("sh");
+    shell.args(["-c", "ulimit -v $0 && exec \"$@\"", &limit.to_string(), env!("CARGO_BIN_EXE_alabaster")]);
+    end(shell.args(arguments), Duration::from_secs(10), folder)
+}
+
+#[track_caller]
+fn end(command: &mut Command, limit: Duration, folder: &Path) -> Run {
+    let command = command.current_dir(folder).env_remove("RUST_LOG").env("RUST_BACKTRACE", "1");
+    let output = command.timeout(limit).output().unwrap();
     let text = |bytes| String::from_utf8(bytes).unwrap();
     let (stdout, stderr) = (text(output.stdout), text(output.stderr));
-    let Some(code) = output.status.code() else { panic!("{arguments:?}: killed; {stderr}") };
+    let Some(code) = output.status.code() else { panic!("{command:?}: killed; {stderr}") };
     for sign in ["panicked", "internal error", "stack backtrace", "RUST_BACKTRACE"] {
-        assert!(!stderr.contains(sign), "{arguments:?}: {stderr}");
+        assert!(!stderr.contains(sign), "{command:?}: {stderr}");
     }
     Run { code, stdout, stderr }
 }

@@ -23,9 +23,7 @@ impl<T: Pod> Pages<T> {
     pub fn zeroed(length: usize) -> Result<Self, RaycastError> {
         let bytes = length.saturating_mul(size_of::<T>());
         // A map of nothing is refused.
-        let map = MmapMut::map_anon(bytes.max(1)).map_err(|error| RaycastError::Hierarchy {
-            message: format!("no memory of {bytes} bytes: {error}"),
-        })?;
+        let map = MmapMut::map_anon(bytes.max(1)).map_err(|_| RaycastError::Memory { bytes })?;
         // Without them it is slower, no more.
         #[cfg(target_os = "linux")]
         let _ = map.advise(memmap2::Advice::HugePage);
@@ -95,5 +93,20 @@ impl Arena {
     /// Forgets all words from `length` on.
     pub fn truncate(&mut self, length: usize) {
         self.length = self.length.min(length);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_that_there_is_not_is_told_of() {
+        for length in [usize::MAX / 16, usize::MAX] {
+            let Err(RaycastError::Memory { bytes }) = Pages::<Word>::zeroed(length).map(|_| ()) else {
+                panic!("{length} words?");
+            };
+            assert_eq!(bytes, length.saturating_mul(size_of::<Word>()));
+        }
     }
 }

@@ -28,6 +28,16 @@ impl Recording {
         &self.queries[kind as usize]
     }
 
+    /// Rays of all kinds.
+    pub fn len(&self) -> u64 {
+        self.queries.iter().map(|queries| queries.len() as u64).sum()
+    }
+
+    /// True if there is no ray.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// True if there are `limit` rays of each kind of which there are any.
     fn is_full(&self, limit: usize) -> bool {
         self.queries.iter().all(|queries| queries.is_empty() || queries.len() >= limit)
@@ -47,6 +57,8 @@ struct State {
     begins: bool,
     /// Rays of each kind that are kept.
     limit: usize,
+    /// Samples that were rendered so far.
+    samples: u64,
 }
 
 impl<C> Recorder<C> {
@@ -98,9 +110,10 @@ impl<C: RayCaster> RayCaster for Recorder<C> {
 }
 
 /// Renders samples of every pixel in turn, `limit` of them and then as many again at most until there are `limit` rays of every kind that
-/// there is: on one thread, so that the rays are the same each time.
+/// there is: on one thread, so that the rays are the same each time. It goes on where it ended before.
 pub fn record<C: RayCaster>(renderer: &Renderer<Recorder<C>>, limit: usize) -> Recording {
     let recorder = renderer.caster();
+    let first = recorder.state().samples;
     *recorder.state() = State { limit, ..State::default() };
     let film = renderer.scene().film;
     let mut counters = Counters::default();
@@ -108,9 +121,10 @@ pub fn record<C: RayCaster>(renderer: &Renderer<Recorder<C>>, limit: usize) -> R
         if path >= limit as u64 && recorder.state().recording.is_full(limit) {
             break;
         }
-        let Sample { x, y, index } = Sample::spread(&film, path);
+        let Sample { x, y, index } = Sample::spread(&film, first + path);
         recorder.state().begins = true;
         renderer.sample(x, y, index, &mut counters);
+        recorder.state().samples = first + path + 1;
     }
     std::mem::take(&mut recorder.state().recording)
 }

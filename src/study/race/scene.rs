@@ -4,8 +4,8 @@ use glam::{Affine3A, Vec3};
 
 use crate::radiometry::Rgb;
 use crate::scene::{
-    Camera, ColorInput, Environment, FilmSettings, Filter, Instance, Light, Material, Mesh, ScatteringInput,
-    Scene, Surface, shape,
+    Camera, ColorInput, Environment, FilmSettings, Filter, Instance, Light, Material, Mesh, Method,
+    ScatteringInput, Scene, SubsurfaceSettings, Surface, shape,
 };
 
 /// Triangles are divided so often: 1 310 720 of them.
@@ -35,7 +35,7 @@ pub fn ball() -> Scene {
         }],
         materials: vec![Material {
             name: "marble".into(),
-            surface: Surface::Translucent { ior: 1.5, roughness: 0.0, medium },
+            surface: Surface::Translucent { ior: 1.5, roughness: 0.3, medium },
             emission: ColorInput::constant(Rgb::ZERO),
             ..Material::default()
         }],
@@ -45,6 +45,8 @@ pub fn ball() -> Scene {
             radius: 0.05,
             radiance: Rgb::splat(20.0),
         }],
+        // Most of a render's rays are then probes.
+        subsurface: SubsurfaceSettings { method: Method::Bssrdf, ..SubsurfaceSettings::default() },
         ..Scene::default()
     }
 }
