@@ -81,6 +81,19 @@ fn files_that_are_missing_cut_or_of_another_kind() {
     refuses(folder, "folder.glb", "not a regular file");
 }
 
+/// Names and values of a file may hold what a terminal obeys.
+#[test]
+fn control_characters_are_not_printed() {
+    let escape = "\u{1b}[2J";
+    refuses_changed(|b| b.json["asset"]["version"] = json!(escape), "\\u{1b}[2J");
+    let mut builder = Builder::triangle();
+    builder.json["extensionsUsed"] = json!([escape]);
+    builder.file("scene.gltf", builder.json.to_string().as_bytes());
+    let run = render_tiny(builder.folder.path(), "scene.gltf", "out.png");
+    assert_eq!(run.code, 0, "{run:?}");
+    assert!(run.stderr.contains("\\u{1b}[2J") && !run.stderr.contains(escape), "{run:?}");
+}
+
 #[test]
 fn nodes_in_a_circle() {
     refuses_changed(|b| b.json["nodes"] = json!([{ "mesh": 0, "children": [0] }]), "/nodes/0/children/0");

@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use super::error::CliError;
+use crate::scene::error::printable;
 
 /// Writes a result to standard output. A reader that has gone away (`| head`) is no error.
 pub fn print_line(line: &str) -> Result<(), CliError> {
@@ -14,8 +15,8 @@ pub fn print_line(line: &str) -> Result<(), CliError> {
     }
 }
 
-/// Writes a line to standard error. Where that is closed there is nobody to tell, and no reason to
+/// Writes a line to standard error, without what a terminal would obey. Where that is closed there is nobody to tell, and no reason to
 /// give up the work.
 pub fn say(line: &str) {
-    let _ = writeln!(io::stderr(), "{line}");
+    let _ = writeln!(io::stderr(), "{}", printable(line));
 }

@@ -11,6 +11,7 @@ use super::error::CliError;
 use super::force::ForceArgs;
 use crate::plan::effects::Effect;
 use crate::plan::{Plan, PlannedObject, Request};
+use crate::scene::error::printable;
 use crate::scene::{Method, SubsurfaceSettings};
 
 /// Arguments of `plan`.
@@ -45,7 +46,7 @@ pub fn run(args: &PlanArgs) -> Result<(), CliError> {
     let kernel = format!("kernel: {}", plan.kernel.name());
     let parts = [objects_as_text(&plan), dropped_as_text(&plan), effects_as_text(&plan.effects), kernel];
     let parts: Vec<String> = parts.into_iter().filter(|part| !part.is_empty()).collect();
-    print_line(&parts.join("\n\n"))
+    print_line(&printable(&parts.join("\n\n")))
 }
 
 /// What is to be done, and what is left out.
