@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 
 use crate::scene::Mesh;
 
-/// What is wrong with the mesh of a body that paths walk in.
+/// What is wrong with the mesh of a translucent body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Flaw {
     /// The surface ends at so many edges.
@@ -55,6 +55,12 @@ pub fn flaws(mesh: &Mesh) -> Vec<Flaw> {
         (volume < 0.0).then_some(Flaw::InsideOut),
     ];
     found.into_iter().flatten().collect()
+}
+
+/// True if `mesh` is closed and all its normals point inward. Most meshes are told by their volume alone, which is much less work than
+/// [`flaws`].
+pub fn is_inside_out(mesh: &Mesh) -> bool {
+    relative_volume(mesh) < -FLAT && unpaired_edges(mesh) == (0, 0)
 }
 
 /// Volume over area times diameter of the bounding box, negative if the triangles face inward; NaN without area. Where the
@@ -139,6 +145,9 @@ mod tests {
         let mut inside_out = cube();
         inside_out.triangles.iter_mut().for_each(|t| t.swap(0, 1));
         assert_eq!(flaws(&inside_out), [Flaw::InsideOut]);
+        assert!(is_inside_out(&inside_out) && !is_inside_out(&cube()));
+        inside_out.triangles.pop();
+        assert!(!is_inside_out(&inside_out), "an open surface has two sides");
         let sheet = shape::quad(Vec3::ZERO, Vec3::X, Vec3::Y);
         let folded = shape::cuboid(Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0));
         for flat in [sheet, folded, Mesh::default()] {

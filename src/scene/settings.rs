@@ -32,7 +32,7 @@ pub enum Filter {
 }
 
 /// How light under the surface is computed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Method {
     /// The program chooses.
     #[default]

@@ -2,6 +2,7 @@
 
 pub mod area_integral;
 pub mod clearance;
+mod contact;
 pub mod counters;
 mod entry;
 mod exposure;

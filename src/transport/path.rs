@@ -1,6 +1,7 @@
 //! The path tracer: one path from the camera, with direct light at every vertex.
 
 mod below;
+mod contact;
 mod guiding;
 mod passage;
 mod random_walk;
@@ -332,7 +333,7 @@ impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
     /// Scatters at a surface that acts where it is hit.
     fn scatter_bsdf(&mut self, material: usize, surface: &SurfacePoint, wo: Vec3) -> Option<Next> {
         let world = &self.renderer.world;
-        let around = self.ior_around(surface.instance);
+        let around = self.ior_outside(surface, wo.dot(surface.geometric_normal) > 0.0);
         let bsdf = self.lobes(material, surface, around);
         // Only the boundary of a body knows inside from outside.
         let two_sided = !Self::INTERIORS || world.interior(surface.instance).is_none();

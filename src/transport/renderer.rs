@@ -398,7 +398,8 @@ fn interiors_at<C: RayCaster>(
 /// True if there can be surfaces of bodies that light goes straight through.
 fn has_passages<C: RayCaster>(world: &World<C>) -> bool {
     let mut enterable = world.enterable().iter().filter_map(|&instance| world.interior(instance));
-    world.enterable().len() > 1 || enterable.any(|body| body.ior == 1.0) || !world.flaws().is_empty()
+    let is_flawed = world.flaws().iter().any(|&(instance, _)| world.is_walked(instance));
+    world.enterable().len() > 1 || enterable.any(|body| body.ior == 1.0) || is_flawed
 }
 
 /// True if paths walk in `instance` and a light that has a place lies in its bounding box.

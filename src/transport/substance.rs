@@ -1,8 +1,10 @@
 //! What the instances of a scene are made of, and which of them paths enter.
 
-use crate::plan::solid::{Flaw, flaws};
+use std::collections::HashMap;
+
+use crate::plan::solid::{Flaw, flaws, is_inside_out};
 use crate::radiometry::Rgb;
-use crate::scene::{Method, Scene, Surface};
+use crate::scene::{Mesh, Method, Scene, Surface};
 
 /// What an instance is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,15 +26,25 @@ pub(super) fn interior_of(scene: &Scene, material: usize, walked: bool) -> Optio
     }
 }
 
-/// The flaws of the bodies that paths walk in, by instance.
-pub(super) fn flaws_of_walked(scene: &Scene, methods: &[Option<Method>]) -> Vec<(u32, Flaw)> {
-    let mut by_mesh: Vec<Option<Vec<Flaw>>> = vec![None; scene.meshes.len()];
+/// The flaws of translucent bodies, by instance: all of those that paths walk in. The area integral knows outside from inside by the
+/// side that is looked at, so that only surfaces that shine have to know it.
+pub(super) fn flaws_of_bodies(scene: &Scene, methods: &[Option<Method>]) -> Vec<(u32, Flaw)> {
+    let mut known: HashMap<(usize, Method), Vec<Flaw>> = HashMap::new();
     let mut all = Vec::new();
     for (index, instance) in (0..).zip(&scene.instances) {
-        if methods[index as usize] == Some(Method::Walk) {
-            let found = by_mesh[instance.mesh].get_or_insert_with(|| flaws(&scene.meshes[instance.mesh]));
-            all.extend(found.iter().map(|&flaw| (index, flaw)));
-        }
+        let Some(method) = methods[index as usize] else { continue };
+        let found = || flaws_for(method, &scene.meshes[instance.mesh]);
+        let found = known.entry((instance.mesh, method)).or_insert_with(found);
+        all.extend(found.iter().map(|&flaw| (index, flaw)));
     }
     all
+}
+
+/// What is wrong with `mesh` as a body rendered by `method`.
+fn flaws_for(method: Method, mesh: &Mesh) -> Vec<Flaw> {
+    match method {
+        Method::Walk => flaws(mesh),
+        Method::Bssrdf if is_inside_out(mesh) => vec![Flaw::InsideOut],
+        _ => Vec::new(),
+    }
 }

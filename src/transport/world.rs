@@ -12,9 +12,10 @@ use crate::scene::shape::light_mesh;
 use crate::scene::{Instance, Method, Scene};
 
 use super::clearance::surroundings;
+use super::contact::neighbours;
 use super::interiors::{Interior, Interiors};
 use super::placement::{Placement, mirrors};
-use super::substance::{Substance, flaws_of_walked, interior_of};
+use super::substance::{Substance, flaws_of_bodies, interior_of};
 
 /// A direction to look for the bodies around a point: any would do that is not along a face, and upwards most scenes are open.
 pub const UPWARDS: Vec3 = Vec3::new(0.02, 0.999_8, 0.005);
@@ -52,8 +53,10 @@ pub struct World<C> {
     caster: C,
     /// Instances whose boundary lets paths inside, so that where a path is has to be tracked.
     enterable: Vec<u32>,
+    /// By instance: bodies whose boundary may lie where its own does.
+    neighbours: Vec<Box<[u32]>>,
     has_partial_coverage: bool,
-    /// By instance: what is wrong with the mesh of a body that paths walk in.
+    /// By instance: what is wrong with the mesh of a translucent body.
     flaws: Vec<(u32, Flaw)>,
     /// By instance: what has surfaces in a body, where it is worth while to know how far they are.
     surroundings: Vec<Option<Box<[u32]>>>,
@@ -73,7 +76,7 @@ impl<C: RayCaster> World<C> {
         methods.resize(substances.len(), None);
         bake(&mut scene);
         let bounds: Vec<_> = scene.instances.iter().map(|i| bounds_of(&scene, i)).collect();
-        let flaws = flaws_of_walked(&scene, &methods);
+        let flaws = flaws_of_bodies(&scene, &methods);
         let placements = (0..)
             .zip(&scene.instances)
             .map(|(index, instance)| {
@@ -83,6 +86,16 @@ impl<C: RayCaster> World<C> {
             })
             .collect();
         let surroundings = surroundings(&scene, &substances, &methods, &bounds, &flaws);
+        let enterable: Vec<u32> = (0..substances.len() as u32)
+            .filter(|&i| match substances[i as usize] {
+                Substance::Material(m) => {
+                    interior_of(&scene, m, methods[i as usize] == Some(Method::Walk)).is_some()
+                }
+                Substance::Light(_) => false,
+            })
+            .collect();
+        let is_walked = |instance: u32| methods[instance as usize] == Some(Method::Walk);
+        let neighbours = neighbours(&enterable, is_walked, &bounds);
         let caster = {
             let meshes: Vec<_> = scene
                 .meshes
@@ -92,23 +105,15 @@ impl<C: RayCaster> World<C> {
             let instances: Vec<_> = scene
                 .instances
                 .iter()
-                .zip(&methods)
-                .map(|(instance, method)| MeshInstance {
+                .zip(methods.iter().zip(&neighbours))
+                .map(|(instance, (method, neighbours))| MeshInstance {
                     mesh: instance.mesh,
                     transform: instance.transform,
-                    probed: *method == Some(Method::Bssrdf),
+                    probed: *method == Some(Method::Bssrdf) || !neighbours.is_empty(),
                 })
                 .collect();
             build(&Geometry { meshes: &meshes, instances: &instances })?
         };
-        let enterable = (0..substances.len() as u32)
-            .filter(|&i| match substances[i as usize] {
-                Substance::Material(m) => {
-                    interior_of(&scene, m, methods[i as usize] == Some(Method::Walk)).is_some()
-                }
-                Substance::Light(_) => false,
-            })
-            .collect();
         let has_partial_coverage = scene.materials.iter().any(|m| m.coverage != Coverage::Full);
         Ok(Self {
             scene,
@@ -118,6 +123,7 @@ impl<C: RayCaster> World<C> {
             bounds,
             caster,
             enterable,
+            neighbours,
             has_partial_coverage,
             flaws,
             surroundings,
@@ -172,7 +178,12 @@ impl<C: RayCaster> World<C> {
         &self.enterable
     }
 
-    /// What is wrong with the meshes of bodies that paths walk in.
+    /// Bodies whose boundary may lie where that of `instance` does, where paths walk in one of the two.
+    pub fn neighbours(&self, instance: u32) -> &[u32] {
+        &self.neighbours[instance as usize]
+    }
+
+    /// What is wrong with the meshes of translucent bodies.
     pub fn flaws(&self) -> &[(u32, Flaw)] {
         &self.flaws
     }

@@ -13,6 +13,7 @@ mod lights;
 mod media;
 mod probes;
 mod record;
+mod samples;
 mod sampling;
 mod scale;
 mod table;

@@ -93,6 +93,7 @@ fn title(group: &str) -> &str {
         "scale" => "Scale and place",
         "walks" => "Walks",
         "lights" => "Lights and cameras",
+        "all" => "All scenes",
         _ => group,
     }
 }

@@ -2,11 +2,13 @@
 
 use glam::Vec3;
 
+use super::contact::Contact;
 use super::{Entrance, Next, Path, leave, place, wanted_albedo};
 use crate::medium::Medium;
 use crate::radiometry::Rgb;
 use crate::raycast::{Ray, RayCaster};
-use crate::transport::interiors::Interior;
+use crate::transport::contact::margin;
+use crate::transport::interiors::{Interior, Interiors};
 use crate::transport::shading::is_covered;
 use crate::transport::substance::Substance;
 use crate::transport::world::SurfacePoint;
@@ -28,18 +30,21 @@ impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
         is_covered::<CAN>(self.renderer.world.scene(), material, surface, u)
     }
 
-    /// True if a ray in `direction` goes straight through the boundary at `surface`: where indices are equal, where
-    /// another body displaces the one that ends here, and where the path is not on the side that it comes from, because
+    /// True if a ray in `direction` goes straight through the boundary at `surface`: where indices are equal, beyond all
+    /// boundaries that lie in one place with it, where another body displaces the one that ends here, and where the path is not on the side that it comes from, because
     /// parts of a mesh overlap or have holes.
     pub(super) fn passes(&self, surface: &SurfacePoint, direction: Vec3) -> bool {
         let world = &self.renderer.world;
         let Some(body) = world.interior(surface.instance) else { return false };
-        if world.is_walked(surface.instance) {
-            let depth = self.interiors.depth_in(surface.instance);
-            let expected = if direction.dot(surface.geometric_normal) < 0.0 { 0 } else { 1 };
-            if depth != expected || body.ior == self.interiors.ior_around(surface.instance) {
-                return true;
-            }
+        let inwards = direction.dot(surface.geometric_normal) < 0.0;
+        let depth = self.interiors.depth_in(surface.instance);
+        let expected = if inwards { 0 } else { 1 };
+        if depth == expected && !self.contacts(surface, inwards).is_empty() {
+            return self.interiors.ior() == self.interiors_beyond(surface, inwards).ior();
+        }
+        let bends_nothing = || body.ior == self.interiors.ior_around(surface.instance);
+        if world.is_walked(surface.instance) && (depth != expected || bends_nothing()) {
+            return true;
         }
         self.interiors.displacing(body).any(|other| self.bounds(other).contains(surface.position))
     }
@@ -53,35 +58,53 @@ impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
         Some(next)
     }
 
-    /// Enters or leaves the body of `surface`.
+    /// Enters or leaves the body of `surface`, and those whose boundary lies in the same place.
     pub(super) fn cross(&mut self, surface: &SurfacePoint, inwards: bool) {
-        match self.renderer.world.interior(surface.instance) {
-            Some(mut interior) if inwards => {
-                if Self::WALKS
-                    && let Some(medium) = self.medium_inside(surface)
-                {
-                    interior.medium = medium;
-                }
-                self.interiors.enter(interior);
+        let mut interiors = self.interiors;
+        self.cross_in(&mut interiors, surface, inwards);
+        self.interiors = interiors;
+    }
+
+    /// The same with `interiors` in the place of the path's own.
+    pub(super) fn cross_in(&self, interiors: &mut Interiors, surface: &SurfacePoint, inwards: bool) {
+        let contacts = self.contacts(surface, inwards);
+        let here = Contact { surface: *surface, inwards };
+        let crossed = || contacts.iter().chain([&here]);
+        // Bodies are left before others are entered, whose medium may depend on what is around them.
+        for Contact { surface, inwards } in crossed() {
+            if !inwards || self.renderer.world.interior(surface.instance).is_none() {
+                interiors.leave(surface.instance);
             }
-            _ => self.interiors.leave(surface.instance),
+        }
+        for Contact { surface, .. } in crossed().filter(|contact| contact.inwards) {
+            let Some(mut interior) = self.renderer.world.interior(surface.instance) else { continue };
+            if Self::WALKS
+                && let Some(medium) = self.medium_inside(surface, interiors)
+            {
+                interior.medium = medium;
+            }
+            interiors.enter(interior);
         }
     }
 
-    /// What scatters in the body of `surface`, if paths walk there. Textures are looked up where light enters.
-    fn medium_inside(&self, surface: &SurfacePoint) -> Option<Medium> {
+    /// What scatters in the body of `surface` amid `interiors`, if paths walk there. Textures are looked up where light enters.
+    fn medium_inside(&self, surface: &SurfacePoint, interiors: &Interiors) -> Option<Medium> {
         let world = &self.renderer.world;
         if !world.is_walked(surface.instance) {
             return None;
         }
         let Substance::Material(material) = world.substance(surface.instance) else { return None };
-        let around = self.interiors.ior_around(surface.instance);
+        let around = interiors.ior_around(surface.instance);
         let scatterer = self.renderer.scatterers[material].as_ref()?;
         Some(scatterer.medium(around, |input| wanted_albedo::<CAN>(world.scene(), input, surface)))
     }
 
     pub(super) fn bounds(&self, body: &Interior) -> Bounds {
-        let (low, high) = self.renderer.world.bounds(body.instance);
+        self.bounds_of(body.instance)
+    }
+
+    pub(super) fn bounds_of(&self, instance: u32) -> Bounds {
+        let (low, high) = self.renderer.world.bounds(instance);
         Bounds { low, high }
     }
 
@@ -206,7 +229,6 @@ impl Bounds {
 
     /// More than the rounding of a position in it, m.
     pub fn margin(&self) -> f32 {
-        const ROUNDINGS: f32 = 8.0;
-        ROUNDINGS * f32::EPSILON * self.low.abs().max(self.high.abs()).max_element()
+        margin(self.low, self.high)
     }
 }
