@@ -1,10 +1,12 @@
 //! Lights.
 
-use std::f32::consts::TAU;
+use std::f64::consts::PI;
 
 use glam::{Mat3, Vec3};
 
-use crate::radiometry::Rgb;
+use crate::radiometry::{
+    Area, Irradiance, ProjectedSolidAngle, Radiance, RadiantFlux, RadiantIntensity, Rgb, SolidAngle,
+};
 
 /// A light. All are seen by the camera where they have a size.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,6 +79,79 @@ impl Light {
             Self::Point { .. } | Self::Spot { .. } | Self::Directional { .. } => false,
         }
     }
+
+    /// What it emits, in the quantity that a light of its kind has.
+    pub fn emission(&self) -> Emission {
+        match *self {
+            Self::Quad { radiance, .. } | Self::Disk { radiance, .. } | Self::Sphere { radiance, .. } => {
+                Emission::Radiance(Radiance(radiance))
+            }
+            Self::Point { intensity, .. } | Self::Spot { intensity, .. } => {
+                Emission::Intensity(RadiantIntensity(intensity))
+            }
+            Self::Directional { irradiance, .. } => Emission::Irradiance(Irradiance(irradiance)),
+        }
+    }
+
+    /// The whole power that it emits; `None` for parallel light, which has as much as it finds surfaces.
+    pub fn power(&self) -> Option<RadiantFlux<Rgb>> {
+        match (self.emission(), self.extent()) {
+            (Emission::Radiance(radiance), Extent::Surface(area)) => {
+                Some(radiance.exitance(ProjectedSolidAngle::HEMISPHERE) * area)
+            }
+            (Emission::Intensity(intensity), Extent::Directions(solid_angle)) => {
+                Some(intensity * solid_angle)
+            }
+            _ => None,
+        }
+    }
+
+    fn extent(&self) -> Extent {
+        let squared = |radius: f32| f64::from(radius).powi(2);
+        match *self {
+            Self::Quad { half_u, half_v, .. } => {
+                Extent::Surface(Area(4.0 * half_u.as_dvec3().cross(half_v.as_dvec3()).length()))
+            }
+            Self::Disk { radius, .. } => Extent::Surface(Area(PI * squared(radius))),
+            Self::Sphere { radius, .. } => Extent::Surface(Area(4.0 * PI * squared(radius))),
+            Self::Point { .. } => Extent::Directions(SolidAngle::SPHERE),
+            Self::Spot { inner_angle, outer_angle, .. } => {
+                Extent::Directions(SolidAngle(f64::from(spot_solid_angle(inner_angle, outer_angle))))
+            }
+            Self::Directional { .. } => Extent::Unbounded,
+        }
+    }
+
+    /// Name of its kind in scene files.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Quad { .. } => "quad",
+            Self::Disk { .. } => "disk",
+            Self::Sphere { .. } => "sphere",
+            Self::Point { .. } => "point",
+            Self::Spot { .. } => "spot",
+            Self::Directional { .. } => "directional",
+        }
+    }
+}
+
+/// What a light emits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Emission {
+    /// Of something that has a surface, alike in all directions.
+    Radiance(Radiance<Rgb>),
+    /// Of a point; on its axis where it has one.
+    Intensity(RadiantIntensity<Rgb>),
+    /// Of parallel light, on a surface that faces it.
+    Irradiance(Irradiance<Rgb>),
+}
+
+/// What the emission of a light extends over.
+enum Extent {
+    Surface(Area),
+    /// Directions, weighted by the share of the intensity on the axis.
+    Directions(SolidAngle),
+    Unbounded,
 }
 
 /// Light from infinitely far away in every direction.
@@ -114,10 +189,8 @@ pub fn spot_falloff(cos_angle: f32, inner_angle: f32, outer_angle: f32) -> f32 {
 /// Integral of [`spot_falloff`] over the sphere, sr: 2π[(1 − cos θᵢ) + (cos θᵢ − cos θₒ)/3].
 /// The power of a spot light is this times the intensity on its axis.
 pub fn spot_solid_angle(inner_angle: f32, outer_angle: f32) -> f32 {
-    // 1 − cos θ = 2 sin²(θ/2) keeps the digits of narrow cones.
-    let one_minus_cos = |angle: f32| 2.0 * (0.5 * angle).sin().powi(2);
-    let (inner, outer) = (one_minus_cos(inner_angle), one_minus_cos(outer_angle));
-    TAU * (inner + (outer - inner) / 3.0)
+    let (inner, outer) = (SolidAngle::cone(inner_angle.into()), SolidAngle::cone(outer_angle.into()));
+    (inner + (outer - inner) * (1.0 / 3.0)).0 as f32
 }
 
 #[cfg(test)]
@@ -135,9 +208,29 @@ mod tests {
                 .map(|i| 1.0 - (f64::from(i) + 0.5) * step)
                 .map(|cos| f64::from(spot_falloff(cos as f32, inner, outer)))
                 .sum();
-            let expected = f64::from(TAU) * sum * step;
+            let expected = 2.0 * PI * sum * step;
             let got = f64::from(spot_solid_angle(inner, outer));
-            assert!((got - expected).abs() <= f64::from(TAU) * (step + 1e-6 * top), "{got} {expected}");
+            assert!((got - expected).abs() <= 2.0 * PI * (step + 1e-6 * top), "{got} {expected}");
         }
+    }
+
+    #[test]
+    fn power_is_radiance_over_surface_and_directions() {
+        let radiance = Rgb::new(1.0, 2.0, 3.0);
+        let sphere = Light::Sphere { center: Vec3::ZERO, radius: 0.5, radiance };
+        let quad = Light::Quad { center: Vec3::ZERO, half_u: Vec3::X, half_v: 0.25 * Vec3::Y, radiance };
+        let disk = Light::Disk { center: Vec3::ZERO, normal: Vec3::Z, radius: 2.0, radiance };
+        let point = Light::Point { position: Vec3::ZERO, intensity: radiance };
+        for (light, of_one) in [(sphere, PI * PI), (quad, PI), (disk, 4.0 * PI * PI), (point, 4.0 * PI)] {
+            let power = light.power().unwrap().0;
+            for c in 0..3 {
+                let expected = of_one * f64::from(radiance[c]);
+                // One rounding to single precision.
+                assert!((f64::from(power[c]) / expected - 1.0).abs() < 1e-7, "{}", light.kind());
+            }
+        }
+        let sun = Light::Directional { direction: Vec3::NEG_Y, irradiance: radiance };
+        assert_eq!(sun.power(), None);
+        assert_eq!(sun.emission(), Emission::Irradiance(Irradiance(radiance)));
     }
 }
