@@ -1,9 +1,23 @@
-//! Values per spectral channel.
+//! Values per spectral channel, and spectra by wavelength.
+
+pub mod blackbody;
+pub mod dispersion;
+pub mod hero;
+pub mod illuminant;
+pub mod medium_table;
+pub mod observer;
+pub mod table;
+pub mod upsampling;
 
 use std::array;
 use std::ops::{Add, AddAssign, Div, Index, Mul, MulAssign, Sub};
 
 use serde::{Deserialize, Serialize};
+
+/// The shortest visible wavelength, nm: that at which the tables of the CIE begin.
+pub const SHORTEST: f64 = 360.0;
+/// The longest visible wavelength, nm.
+pub const LONGEST: f64 = 830.0;
 
 /// `N` channel values of a radiometric quantity or of a dimensionless factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
