@@ -3,6 +3,8 @@
 mod backend;
 mod bar;
 mod bench;
+mod check;
+mod check_report;
 mod choice;
 mod compare;
 mod compare_report;
@@ -54,6 +56,8 @@ enum Command {
     Render(render::RenderArgs),
     /// Says which method each translucent object gets, and which errors are to be expected of it
     Plan(plan::PlanArgs),
+    /// Checks the laws of scattering on every material, and what each order of scattering adds to the picture
+    Check(check::CheckArgs),
     /// Makes a .png picture for people of an .exr
     Tonemap(tonemap::TonemapArgs),
     /// Compares a picture with a reference (both .exr): errors, bias with its noise, what an eye would see
@@ -94,6 +98,7 @@ fn run(command: Command) -> Result<(), CliError> {
     match command {
         Command::Render(args) => render::run(&args),
         Command::Plan(args) => plan::run(&args),
+        Command::Check(args) => check::run(&args),
         Command::Tonemap(args) => tonemap::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Slab(args) => slab::run(&args),

@@ -24,7 +24,7 @@ use crate::film::output::{Format, check_writable, replace};
 use crate::film::schedule::{Limits, Status};
 use crate::film::{Film, exr, png};
 use crate::raycast::{Backend, Geometry, RayCaster, RaycastError};
-use crate::scene::Scene;
+use crate::scene::{Light, Scene};
 use crate::transport::{Counters, RenderOptions, Renderer};
 
 /// Arguments of `render`.
@@ -124,7 +124,9 @@ fn made_by<C: RayCaster>(args: &RenderArgs, renderer: &Renderer<C>) -> MadeBy {
     let method = renderer.scene().subsurface.method.name();
     let methods = renderer.plan().objects.iter().map(MethodOf::new).collect();
     let profiles = renderer.profiles().into_iter().map(ProfileKind::name).collect();
-    MadeBy { backend: args.backend.name(), kernel: renderer.kernel().name(), method, methods, profiles }
+    let light_power = renderer.scene().lights.iter().filter_map(Light::power).sum();
+    let (backend, kernel) = (args.backend.name(), renderer.kernel().name());
+    MadeBy { backend, kernel, method, methods, profiles, light_power }
 }
 
 fn limits(args: &RenderArgs, scene: &Scene) -> Limits {

@@ -10,6 +10,7 @@ use super::progress::{duration, quantity};
 use crate::film::Film;
 use crate::film::accumulator::LARGEST;
 use crate::plan::PlannedObject;
+use crate::radiometry::{RadiantFlux, Rgb};
 use crate::scene::Method;
 use crate::transport::{Counters, ProbeCounters};
 
@@ -36,6 +37,8 @@ pub struct Report {
     methods: Vec<MethodOf>,
     /// Names of the diffusion profiles in use.
     pub profiles: Vec<&'static str>,
+    /// Emitted by the lights that have a power of their own, by channel, W: not by parallel light, surroundings and materials that shine.
+    light_power: RadiantFlux<Rgb>,
     /// Samples that were not finite and added nothing.
     pub nonfinite: u64,
     clamped: u64,
@@ -94,6 +97,8 @@ pub struct MadeBy {
     pub methods: Vec<MethodOf>,
     /// The diffusion profiles in use.
     pub profiles: Vec<&'static str>,
+    /// What the lights emit.
+    pub light_power: RadiantFlux<Rgb>,
 }
 
 impl Report {
@@ -114,6 +119,7 @@ impl Report {
             method: made_by.method,
             methods: made_by.methods,
             profiles: made_by.profiles,
+            light_power: made_by.light_power,
             nonfinite: tally.nonfinite,
             clamped: tally.clamped,
             rejected: counters.rejected,

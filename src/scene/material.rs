@@ -178,6 +178,40 @@ impl Surface {
     }
 }
 
+impl Surface {
+    /// Index of refraction of what is behind it, relative to air; 1 where light that passes it stays in the same medium.
+    pub fn eta(&self) -> f32 {
+        match self {
+            Self::Diffuse { .. } | Self::Metal { .. } => 1.0,
+            Self::MetallicRoughness(m) if m.thin => 1.0,
+            Self::MetallicRoughness(m) => m.ior,
+            Self::Dielectric { ior, .. } | Self::Translucent { ior, .. } => *ior,
+        }
+    }
+
+    /// True if it sends light through into another medium and, diffusely, into the same one as well.
+    pub fn is_mixed(&self) -> bool {
+        match self {
+            Self::MetallicRoughness(m) => {
+                let has = |input: &ScalarInput| input.factor > 0.0;
+                !m.thin && has(&m.diffuse_transmission) && m.ior != 1.0
+            }
+            _ => false,
+        }
+    }
+
+    /// Name of its kind in scene files.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Diffuse { .. } => "diffuse",
+            Self::Metal { .. } => "metal",
+            Self::MetallicRoughness(_) => "gltf",
+            Self::Dielectric { .. } => "dielectric",
+            Self::Translucent { .. } => "translucent",
+        }
+    }
+}
+
 impl Default for Surface {
     fn default() -> Self {
         Self::Diffuse { reflectance: ColorInput::constant(Rgb::splat(0.5)) }

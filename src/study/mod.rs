@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod image;
+pub mod laws;
 pub mod numbers;
 pub mod plot;
 pub mod profile;

@@ -73,7 +73,7 @@ impl<'a> DirectionDependence<'a> {
     }
 
     /// The weight of light from unit direction `wi`.
-    fn weight(&self, wi: Vec3) -> Rgb {
+    pub fn weight(&self, wi: Vec3) -> Rgb {
         let w12: DVec3 = self.table.refracted(self.frame.to_local(wi));
         Spectrum(self.weights.map(|weight| weight.of(w12)))
     }

@@ -8,6 +8,7 @@ mod entry;
 mod exposure;
 pub mod form;
 pub mod guide;
+mod inspection;
 pub mod interiors;
 mod inventory;
 pub mod light_choice;
@@ -25,5 +26,7 @@ mod warnings;
 pub mod world;
 
 pub use counters::{Counters, ProbeCounters};
+pub use inspection::{Boundaries, PlaneBssrdf};
 pub use inventory::Inventory;
 pub use renderer::{RenderError, RenderOptions, Renderer};
+pub use shading::Lobes;

@@ -215,13 +215,13 @@ impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
 
     /// Bounces after which the path is cut.
     fn limit(&self) -> u32 {
-        match self.renderer.options.max_depth {
+        match self.renderer.depth_limit {
             // Total reflection holds what scatters little for long; flights are counted there.
-            0 if Self::WALKS && self.interiors.current().is_some_and(|body| body.medium.scatters()) => {
+            None if Self::WALKS && self.interiors.current().is_some_and(|body| body.medium.scatters()) => {
                 u32::MAX
             }
-            0 => LONGEST_PATH,
-            depth => depth.min(LONGEST_PATH),
+            None => LONGEST_PATH,
+            Some(depth) => depth.min(LONGEST_PATH),
         }
     }
 

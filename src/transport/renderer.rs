@@ -106,6 +106,8 @@ pub struct Renderer<C> {
     /// By material.
     pub(super) scatterers: Vec<Option<Scatterer>>,
     pub(super) options: RenderOptions,
+    /// Longest path in bounces; `None`: no limit.
+    pub(super) depth_limit: Option<u32>,
     /// Shadow rays may meet surfaces that bend nothing.
     pub(super) has_passages: bool,
     /// Paths walk in some bodies.
@@ -166,6 +168,7 @@ impl<C: RayCaster> Renderer<C> {
             lights,
             scatterers,
             options,
+            depth_limit: (options.max_depth > 0).then_some(options.max_depth),
             has_passages,
             has_walks,
             plan,
@@ -226,6 +229,17 @@ impl<C: RayCaster> Renderer<C> {
     /// Changes the seed of all random numbers.
     pub fn reseed(&mut self, seed: u64) {
         self.options.seed = seed;
+    }
+
+    /// Cuts paths after so many bounces from here on, whatever the options say; `None`: not at all. With 0 only what emits is seen. A sample under
+    /// a limit is the same path as without, up to there.
+    pub fn limit_depth(&mut self, limit: Option<u32>) {
+        self.depth_limit = limit;
+    }
+
+    /// The limit that the options set.
+    pub fn depth_limit(&self) -> Option<u32> {
+        self.depth_limit
     }
 
     /// Leaves the direction of entry out of profiles that depend on it: light from every direction then leaves as
@@ -361,7 +375,7 @@ fn clearances<C: RayCaster>(
 }
 
 /// What stands for an albedo where there is no point to look its texture up at.
-fn albedo_factor(input: &ScatteringInput) -> Rgb {
+pub(super) fn albedo_factor(input: &ScatteringInput) -> Rgb {
     match input {
         ScatteringInput::Albedo { albedo, .. } => albedo.factor,
         ScatteringInput::Coefficients { .. } => Rgb::ZERO,

@@ -45,6 +45,11 @@ impl<P: Profile + Copy + PartialEq> Spread<P> {
 }
 
 impl<P: Profile + Copy> Spread<P> {
+    /// The profile of a channel.
+    pub(super) fn profile(&self, channel: usize) -> &P {
+        &self.profiles[channel]
+    }
+
     /// Energy of each profile within the body's diameter.
     pub(super) fn within(&self) -> [f32; 3] {
         self.within
