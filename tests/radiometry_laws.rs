@@ -10,7 +10,7 @@ use alabaster::radiometry::{
 };
 use alabaster::scene::{Camera, ColorInput, Light, Material, Scene, Surface, shape};
 use alabaster::study::laws::neumann_orders;
-use alabaster::transport::{Counters, RenderOptions, Renderer};
+use alabaster::transport::{Counters, RenderOptions, Renderer, Unbalanced};
 use common::scenes::{Caster, Statistics, body, caster, furnace, options, renderer};
 use glam::{DVec3, Vec3};
 
@@ -202,4 +202,62 @@ fn a_far_lamp_is_a_point_of_its_intensity() {
     let measured = irradiance(&renderer, Vec3::new(0.0, 1.0, 0.0), Vec3::NEG_Y, 100).mean();
     // The lamp's mesh does not matter to light drawn directly; (radius/distance)² of the cosines.
     assert!((measured / expected - 1.0).abs() < 1e-5, "{measured} {expected}");
+}
+
+/// Light that a body without absorption takes from an even sky it gives back, every watt of it.
+#[test]
+fn a_white_body_absorbs_no_power() {
+    let mut renderer = renderer(furnace(shape::sphere(Vec3::ZERO, 1.0, 4), body(1.5, 0.0, 0.05)));
+    let balance = renderer.power_balance(20_000).unwrap();
+    assert!(balance.sigmas() <= 3.0, "{balance:?}");
+    // π · 4π R² of the sphere around, R the half diagonal of the body's box.
+    let radius = 3.0_f64.sqrt() * 1.01;
+    for c in 0..3 {
+        let entered = 4.0 * PI * PI * radius * radius;
+        // The box is that of the mesh, smaller by 10⁻³.
+        assert!((balance.entered.value[c] / entered - 1.0).abs() < 4e-3, "{balance:?}");
+        let absorbed = (balance.absorbed.value[c], balance.absorbed.stderr[c]);
+        assert!(absorbed.0.abs() <= 3.0 * absorbed.1 && absorbed.1 < 0.02 * entered, "{absorbed:?}");
+        // As much as the body hides of the sky, π · 4π r².
+        let out = (balance.scattered_out.value[c], balance.scattered_out.stderr[c]);
+        assert!((out.0 - 4.0 * PI * PI).abs() <= 3.0 * out.1 + 0.01 * 4.0 * PI * PI, "{out:?}");
+    }
+}
+
+/// A lamp over a grey floor: of what reaches the floor it absorbs 1 − ϱ, and all there is comes to what the lamp emits.
+#[test]
+fn what_a_lamp_emits_is_absorbed_or_leaves() {
+    let lamp = Light::Quad {
+        center: Vec3::Y,
+        half_u: Vec3::X * 0.5,
+        half_v: Vec3::Z * 0.5,
+        radiance: Rgb::new(1.0, 2.0, 4.0),
+    };
+    let mut renderer = renderer(lit(shape::quad(Vec3::ZERO, Vec3::Z * 2.0, Vec3::X * 2.0), vec![lamp]));
+    let balance = renderer.power_balance(60_000).unwrap();
+    assert!(balance.sigmas() <= 3.0, "{balance:?}");
+    for (c, radiance) in [1.0, 2.0, 4.0].into_iter().enumerate() {
+        let emitted = PI * radiance;
+        assert!((balance.emitted.value[c] / emitted - 1.0).abs() < 1e-6, "{balance:?}");
+        assert!(balance.residual.stderr[c] < 0.03 * emitted, "{balance:?}");
+        assert_eq!(balance.entered.value[c], 0.0);
+        let spent = balance.absorbed.value[c] + balance.escaped.value[c] + balance.scattered_out.value[c];
+        assert!((emitted - spent - balance.residual.value[c]).abs() < 1e-6 * emitted, "{balance:?}");
+    }
+}
+
+/// Nothing leaves a closed room of black walls.
+#[test]
+fn a_closed_room_keeps_its_light() {
+    let mut scene = lit(shape::cuboid(Vec3::ZERO, Vec3::splat(4.0)), Vec::new());
+    scene.lights = vec![Light::Sphere { center: Vec3::X * 0.3, radius: 0.5, radiance: Rgb::ONE }];
+    let balance = renderer(scene).power_balance(20_000).unwrap();
+    assert!(balance.sigmas() <= 3.0, "{balance:?}");
+    assert_eq!((balance.escaped.value, balance.scattered_out.value), ([0.0; 3], [0.0; 3]));
+    // The lamp's mesh is smaller than the sphere that its power is of, by 10⁻³.
+    let (absorbed, sigma) = (balance.absorbed.value[0], balance.absorbed.stderr[0]);
+    assert!((absorbed - PI * PI).abs() <= 3.0 * sigma + 2e-3 * PI * PI, "{balance:?}");
+    let point = Light::Point { position: Vec3::ZERO, intensity: Rgb::ONE };
+    let with_point = lit(shape::cuboid(Vec3::ZERO, Vec3::splat(4.0)), vec![point]);
+    assert_eq!(renderer(with_point).power_balance(10).unwrap_err(), Unbalanced::LightsWithoutSize);
 }

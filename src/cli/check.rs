@@ -21,8 +21,11 @@ use crate::transport::{RenderOptions, Renderer};
 /// Points of a textured material that are looked at.
 const POINTS: usize = 16;
 
-/// Standard errors by which the orders may miss the whole picture.
-const SIGMAS: f64 = 3.0;
+/// Samples of each part of the power balance.
+const POWER_SAMPLES: u64 = 20_000;
+
+/// Standard errors by which a sum may miss what it should be: 1 in 16,000 by chance.
+const SIGMAS: f64 = 4.0;
 
 /// Arguments of `check`.
 #[derive(Args)]
@@ -96,10 +99,11 @@ impl RayWork for Check<'_> {
         let count = renderer.scene().materials.len();
         let materials = (0..count).map(|index| material(&renderer, index)).collect();
         let lights = renderer.scene().lights.iter().map(LightReport::new).collect();
+        let power = renderer.power_balance(POWER_SAMPLES);
         let orders = neumann_orders(&mut renderer, args.spp, args.orders, args.seed);
-        let report = CheckReport { materials, lights, orders };
+        let report = CheckReport { materials, lights, power, orders };
         print_line(&if args.json { report.json()? } else { report.text() })?;
-        judge(args, &report)
+        judge(args, &report, renderer.depth_limit().is_some())
     }
 }
 
@@ -139,7 +143,7 @@ fn profiles<C: RayCaster>(renderer: &Renderer<C>, index: usize) -> Vec<ProfileRe
 }
 
 /// Fails where a law does not hold that has to.
-fn judge(args: &CheckArgs, report: &CheckReport) -> Result<(), CliError> {
+fn judge(args: &CheckArgs, report: &CheckReport, is_cut: bool) -> Result<(), CliError> {
     let mut failed: Vec<String> = report.materials.iter().flat_map(MaterialReport::broken_laws).collect();
     if let Some(limit) = args.max_reciprocity_break {
         failed.extend(report.materials.iter().filter_map(|material| {
@@ -151,8 +155,14 @@ fn judge(args: &CheckArgs, report: &CheckReport) -> Result<(), CliError> {
         }));
     }
     let sigmas = report.orders.sigmas();
-    if !(sigmas <= SIGMAS) {
+    if sigmas > SIGMAS || sigmas.is_nan() {
         failed.push(format!("the Neumann orders miss the whole picture by {sigmas:.1} standard errors"));
+    }
+    // Paths that are cut on the way lose what they carry.
+    if let (Ok(balance), false) = (&report.power, is_cut)
+        && balance.sigmas() > SIGMAS
+    {
+        failed.push(format!("the power balance is open by {:.1} standard errors", balance.sigmas()));
     }
     if failed.is_empty() { Ok(()) } else { Err(CliError::Failed(failed.join("; "))) }
 }

@@ -1,12 +1,14 @@
 //! What `alabaster check` found, as a table and as JSON.
 
 use serde::Serialize;
+use serde_json::{Value, json};
 
 use super::error::CliError;
 use crate::radiometry::{RadiantFlux, Rgb};
 use crate::scene::Light;
 use crate::scene::light::Emission;
 use crate::study::laws::{BssrdfLaws, Orders, SurfaceLaws};
+use crate::transport::{Power, PowerBalance, Unbalanced};
 
 /// All that was found.
 #[derive(Debug, Serialize)]
@@ -15,8 +17,26 @@ pub struct CheckReport {
     pub materials: Vec<MaterialReport>,
     /// By light.
     pub lights: Vec<LightReport>,
+    /// Where the power goes.
+    #[serde(serialize_with = "serialize_power")]
+    pub power: Result<PowerBalance, Unbalanced>,
     /// The light of the picture, order by order.
     pub orders: Orders,
+}
+
+/// A balance, or the reason why there is none, as JSON.
+pub fn power_as_json(power: &Result<PowerBalance, Unbalanced>) -> Value {
+    match power {
+        Ok(balance) => json!({ "balance": balance, "sigmas": balance.sigmas(), "reason": null }),
+        Err(reason) => json!({ "balance": null, "sigmas": null, "reason": reason.to_string() }),
+    }
+}
+
+fn serialize_power<S: serde::Serializer>(
+    power: &Result<PowerBalance, Unbalanced>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    power_as_json(power).serialize(serializer)
 }
 
 /// The laws of one material.
@@ -147,7 +167,11 @@ impl CheckReport {
     /// As tables.
     pub fn text(&self) -> String {
         let lights: Vec<String> = self.lights.iter().map(LightReport::text).collect();
-        let parts = [self.materials_as_text(), lights.join("\n"), self.orders_as_text()];
+        let power = match &self.power {
+            Ok(balance) => power_as_text(balance),
+            Err(reason) => format!("no power balance: {reason}"),
+        };
+        let parts = [self.materials_as_text(), lights.join("\n"), power, self.orders_as_text()];
         parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n\n")
     }
 
@@ -197,4 +221,23 @@ impl CheckReport {
         );
         [heading].into_iter().chain(rows).chain([last, sums]).collect::<Vec<_>>().join("\n")
     }
+}
+
+/// A line for each term, channels averaged.
+fn power_as_text(balance: &PowerBalance) -> String {
+    let PowerBalance { emitted, entered, absorbed, escaped, scattered_out, residual } = balance;
+    let line = |name: &str, power: &Power| {
+        let mean = |by_channel: [f64; 3]| by_channel.iter().sum::<f64>() / 3.0;
+        format!("{name:>13}  {:>12.5} ± {:.5} W", mean(power.value), mean(power.stderr))
+    };
+    let terms = [
+        ("emitted", emitted),
+        ("entered", entered),
+        ("absorbed", absorbed),
+        ("escaped", escaped),
+        ("scattered out", scattered_out),
+        ("residual", residual),
+    ];
+    let lines = terms.map(|(name, power)| line(name, power)).join("\n");
+    format!("{lines} ({:.1} σ)", balance.sigmas())
 }

@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use serde::Serialize;
+use serde_json::Value;
 
+use super::check_report::power_as_json;
 use super::console::say;
 use super::error::CliError;
 use super::progress::{duration, quantity};
@@ -12,7 +14,7 @@ use crate::film::accumulator::LARGEST;
 use crate::plan::PlannedObject;
 use crate::radiometry::{RadiantFlux, Rgb};
 use crate::scene::Method;
-use crate::transport::{Counters, ProbeCounters};
+use crate::transport::{Counters, PowerBalance, ProbeCounters, Unbalanced};
 
 /// Objects of one method that are named one by one.
 const MOST_NAMED: usize = 4;
@@ -39,6 +41,9 @@ pub struct Report {
     pub profiles: Vec<&'static str>,
     /// Emitted by the lights that have a power of their own, by channel, W: not by parallel light, surroundings and materials that shine.
     light_power: RadiantFlux<Rgb>,
+    /// Where the power goes; only on standard output, for it takes samples of its own.
+    #[serde(skip_serializing_if = "Value::is_null")]
+    power: Value,
     /// Samples that were not finite and added nothing.
     pub nonfinite: u64,
     clamped: u64,
@@ -120,6 +125,7 @@ impl Report {
             methods: made_by.methods,
             profiles: made_by.profiles,
             light_power: made_by.light_power,
+            power: Value::Null,
             nonfinite: tally.nonfinite,
             clamped: tally.clamped,
             rejected: counters.rejected,
@@ -133,6 +139,11 @@ impl Report {
             brightest_over_mean: film.brightest_over_mean(),
             outputs: outputs.to_vec(),
         }
+    }
+
+    /// Adds where the power goes.
+    pub fn set_power(&mut self, power: &Result<PowerBalance, Unbalanced>) {
+        self.power = power_as_json(power);
     }
 
     /// As JSON.

@@ -75,11 +75,10 @@ impl HeroWavelengths {
     /// the scale on which constant 1 has Y = 1.
     pub fn xyz(&self, radiance: [f32; CARRIED]) -> [f32; 3] {
         let mut sum = [0.0; 3];
-        for i in 0..CARRIED {
-            let matching = color_matching(f64::from(self.nanometres[i]));
-            let scale = CARRIED as f64 * f64::from(self.density[i]) * LUMINANCE_INTEGRAL;
-            for (sum, matching) in sum.iter_mut().zip(matching) {
-                *sum += matching * f64::from(radiance[i]) / scale;
+        for ((nanometres, density), radiance) in self.nanometres.into_iter().zip(self.density).zip(radiance) {
+            let scale = CARRIED as f64 * f64::from(density) * LUMINANCE_INTEGRAL;
+            for (sum, matching) in sum.iter_mut().zip(color_matching(nanometres.into())) {
+                *sum += matching * f64::from(radiance) / scale;
             }
         }
         sum.map(|component| component as f32)

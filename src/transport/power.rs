@@ -1,0 +1,262 @@
+//! The power balance of a scene: what is emitted and comes in from outside is absorbed, or leaves.
+//!
+//! Every term is an integral of radiance over a surface and the directions on one side of it, Φ = ∫∫ L cosθ dω dA, drawn
+//! uniformly by area and by the cosine, so that each sample is worth π A L; the radiance is what a path from there finds. What a surface absorbs is
+//! what arrives less what leaves, and what it emits itself. What leaves the scene crosses a sphere around all of it.
+//! The terms are estimated apart: that they add up says that light is where it should be, and that nothing absorbs a negative power, that no
+//! surface makes light.
+//!
+//! This takes samples of its own. Renders are not slowed by it.
+
+use std::array;
+use std::f32::consts::{PI, TAU};
+
+use glam::Vec3;
+use rayon::prelude::*;
+use serde::Serialize;
+use thiserror::Error;
+
+use super::counters::Counters;
+use super::interiors::Interiors;
+use super::path::Path;
+use super::renderer::Renderer;
+use super::shading::{color, emitted};
+use super::substance::Substance;
+use super::world::UPWARDS;
+use crate::math::distribution::Discrete;
+use crate::math::robust::offset_from_surface;
+use crate::math::sampler::HashGenerator;
+use crate::math::{Frame, SampleStream, warp};
+use crate::plan::Kernel;
+use crate::radiometry::{Area, ProjectedSolidAngle, Radiance, RadiantFlux, Rgb};
+use crate::raycast::{Hit, RayCaster};
+use crate::scene::Light;
+
+/// Streams beyond those of any pixel.
+const STREAMS: u64 = u64::MAX - 8;
+
+const CAN: u32 = Kernel::Generic.abilities().bits();
+
+/// A power by channel, W, and its standard error.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Power {
+    /// Estimate.
+    pub value: [f64; 3],
+    /// One σ.
+    pub stderr: [f64; 3],
+}
+
+/// Where the power goes that is in a scene.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct PowerBalance {
+    /// By lights and materials.
+    pub emitted: Power,
+    /// From the environment, through a sphere around the scene.
+    pub entered: Power,
+    /// At surfaces and in bodies.
+    pub absorbed: Power,
+    /// Through that sphere, from where it was emitted and from the environment straight on.
+    pub escaped: Power,
+    /// Through that sphere, after it was scattered.
+    pub scattered_out: Power,
+    /// Emitted and entered less all others: 0 but for noise.
+    pub residual: Power,
+}
+
+/// Why there is no balance of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum Unbalanced {
+    /// Points and parallel light.
+    #[error(
+        "a light without size is met by no ray, so that what it sends past everything is not seen to leave"
+    )]
+    LightsWithoutSize,
+    /// There is nothing that a sphere could be put around.
+    #[error("the scene is empty")]
+    NoGeometry,
+}
+
+impl PowerBalance {
+    /// The residual in standard errors, in the worst channel.
+    pub fn sigmas(&self) -> f64 {
+        let Power { value, stderr } = self.residual;
+        let sigmas = |c: usize| if value[c] == 0.0 { 0.0 } else { value[c].abs() / stderr[c] };
+        (0..3).map(sigmas).fold(0.0, f64::max)
+    }
+}
+
+/// The triangles of a scene, drawn by area.
+struct Surfaces {
+    triangles: Vec<(u32, u32)>,
+    by_area: Discrete,
+    /// m².
+    area: f32,
+}
+
+impl<C: RayCaster> Renderer<C> {
+    /// The power balance of the scene, from `samples` samples of each of its parts. Paths are limited as in pictures: where they are cut, it does not close.
+    ///
+    /// # Errors
+    /// If the scene has lights without size, or nothing to be lit.
+    pub fn power_balance(&mut self, samples: u64) -> Result<PowerBalance, Unbalanced> {
+        if !self.scene().lights.iter().all(Light::has_size) {
+            return Err(Unbalanced::LightsWithoutSize);
+        }
+        let surfaces = self.surfaces().ok_or(Unbalanced::NoGeometry)?;
+        let (center, radius) = self.bounding_sphere();
+        let sphere_area = 4.0 * PI * radius * radius;
+        let limit = self.depth_limit();
+        self.limit_depth(Some(0));
+        let [escaped] = tally(samples, sphere_area, |i| [self.leaving(center, radius, i)]);
+        self.limit_depth(limit);
+        let [entered, left, gained] = tally(samples, sphere_area, |i| {
+            let (entering, leaving) = (self.entering(center, radius, i), self.leaving(center, radius, i));
+            [entering, leaving, entering - leaving]
+        });
+        let [shone, absorbed, kept] = tally(samples, surfaces.area, |i| {
+            let (emitted, absorbed) = self.at_surface(&surfaces, i);
+            [emitted, absorbed, emitted - absorbed]
+        });
+        let of_lights = Power::exact(self.scene().lights.iter().filter_map(Light::power).sum());
+        Ok(PowerBalance {
+            emitted: of_lights.plus(&shone),
+            entered,
+            absorbed,
+            escaped,
+            scattered_out: left.less(&escaped),
+            residual: of_lights.plus(&gained).plus(&kept),
+        })
+    }
+
+    fn surfaces(&self) -> Option<Surfaces> {
+        let mut triangles = Vec::new();
+        let mut areas = Vec::new();
+        for instance in 0..self.world.substances().len() as u32 {
+            for (primitive, [a, b, c]) in (0..).zip(self.world.triangles(instance)) {
+                triangles.push((instance, primitive));
+                areas.push(0.5 * (b - a).cross(c - a).length());
+            }
+        }
+        let area = areas.iter().map(|&area| f64::from(area)).sum::<f64>() as f32;
+        (area > 0.0).then(|| Surfaces { triangles, by_area: Discrete::new(areas), area })
+    }
+
+    /// Centre and radius of a sphere around all geometry, m.
+    fn bounding_sphere(&self) -> (Vec3, f32) {
+        let bounds = (0..self.world.substances().len() as u32).map(|instance| self.world.bounds(instance));
+        let (low, high) = bounds
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), (a, b)| (low.min(a), high.max(b)));
+        // A little more, so that nothing lies on it.
+        (0.5 * (low + high), 0.5 * (high - low).length() * 1.01 + f32::MIN_POSITIVE)
+    }
+
+    /// Radiance that leaves through the sphere at a random point, in a random direction.
+    fn leaving(&self, center: Vec3, radius: f32, sample: u64) -> Rgb {
+        let (origin, direction) = crossing(center, radius, sample, self.options.seed);
+        self.found(origin, direction, &Interiors::default(), sample, 1)
+    }
+
+    /// Radiance of the environment that comes in there, from the opposite side of the sphere.
+    fn entering(&self, center: Vec3, radius: f32, sample: u64) -> Rgb {
+        let (_, direction) = crossing(center, radius, sample, self.options.seed);
+        self.scene().environment.as_ref().map_or(Rgb::ZERO, |environment| environment.radiance(direction))
+    }
+
+    /// What a random point of a surface emits by itself if it is no light, and what it absorbs, in a random direction on either side.
+    fn at_surface(&self, surfaces: &Surfaces, sample: u64) -> (Rgb, Rgb) {
+        let nothing = (Rgb::ZERO, Rgb::ZERO);
+        let mut random = HashGenerator::new(self.options.seed ^ sample.wrapping_mul(3).wrapping_add(1));
+        let Some((index, _, _)) = surfaces.by_area.sample(random.next_f32()) else { return nothing };
+        let (instance, primitive) = surfaces.triangles[index];
+        let barycentric = warp::square_to_triangle(random.next_f32(), random.next_f32());
+        let hit = Hit { t: 0.0, u: barycentric.x, v: barycentric.y, instance, primitive };
+        let point = self.world.surface::<CAN>(&hit);
+        // What goes on inside of a body that light enters is the body's own: what is absorbed in it is what does not come out.
+        let is_body = self.world.interior(instance).is_some();
+        let (side, sides) = match is_body {
+            true => (1.0, 1.0),
+            false => (if random.next_f32() < 0.5 { 1.0 } else { -1.0 }, 2.0),
+        };
+        let normal = point.geometric_normal * side;
+        let local = warp::square_to_cosine_hemisphere(random.next_f32(), random.next_f32());
+        let outward = Frame::from_normal(normal).to_world(local);
+        if outward.dot(normal) <= 0.0 {
+            return nothing;
+        }
+        let origin = offset_from_surface(point.position, point.error, point.geometric_normal, outward);
+        if self.world.has_interiors() && self.world.interiors_at(origin, UPWARDS).current().is_some() {
+            return nothing;
+        }
+        let air = Interiors::default();
+        let arriving = self.found(origin, outward, &air, sample, 2);
+        let (own, of_light) = match self.world.substance(instance) {
+            Substance::Light(light) => (Rgb::ZERO, emitted(&self.scene().lights[light], &point, -outward)),
+            Substance::Material(material) => {
+                let material = &self.scene().materials[material];
+                let shines = material.double_sided || side > 0.0;
+                let own =
+                    if shines { color::<CAN>(self.scene(), &material.emission, &point) } else { Rgb::ZERO };
+                (own, Rgb::ZERO)
+            }
+        };
+        let leaving = self.found(origin, -outward, &air, sample, 3);
+        (own * sides, (arriving - leaving + own + of_light) * sides)
+    }
+
+    /// Radiance that a path finds.
+    fn found(&self, origin: Vec3, direction: Vec3, interiors: &Interiors, sample: u64, part: u64) -> Rgb {
+        let stream = SampleStream::new(self.options.seed, STREAMS + part, sample);
+        let mut counters = Counters::default();
+        let radiance =
+            Path::<C, CAN>::new(self, stream, interiors, &mut counters).radiance(origin, direction);
+        if radiance.is_finite() { radiance } else { Rgb::ZERO }
+    }
+}
+
+/// A random point of the sphere, and a direction into it, cosine-distributed: what is seen from there is what leaves there.
+fn crossing(center: Vec3, radius: f32, sample: u64, seed: u64) -> (Vec3, Vec3) {
+    let mut random = HashGenerator::new(seed ^ sample.wrapping_mul(3));
+    let z = 2.0 * random.next_f32() - 1.0;
+    let (sin, cos) = (TAU * random.next_f32()).sin_cos();
+    let across = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
+    let normal = Vec3::new(across * cos, across * sin, z);
+    let local = warp::square_to_cosine_hemisphere(random.next_f32(), random.next_f32());
+    (center + normal * radius, Frame::from_normal(-normal).to_world(local))
+}
+
+/// Means of `K` radiances over an area (m²) and the directions on one side of it, as powers.
+fn tally<const K: usize>(samples: u64, area: f32, sample: impl Fn(u64) -> [Rgb; K] + Sync) -> [Power; K] {
+    let drawn: Vec<[Rgb; K]> = (0..samples).into_par_iter().map(&sample).collect();
+    let count = samples.max(2) as f64;
+    let of_one = Radiance(1.0).exitance(ProjectedSolidAngle::HEMISPHERE) * Area(area.into());
+    let mean =
+        |k: usize, c: usize| drawn.iter().map(|radiances| f64::from(radiances[k][c])).sum::<f64>() / count;
+    let error = |k: usize, c: usize, mean: f64| {
+        let squares: f64 = drawn.iter().map(|radiances| (f64::from(radiances[k][c]) - mean).powi(2)).sum();
+        (squares / (count - 1.0) / count).sqrt()
+    };
+    array::from_fn(|k| {
+        let means: [f64; 3] = array::from_fn(|c| mean(k, c));
+        Power {
+            value: means.map(|mean| mean * of_one.0),
+            stderr: array::from_fn(|c| error(k, c, means[c]) * of_one.0),
+        }
+    })
+}
+
+impl Power {
+    fn exact(power: RadiantFlux<Rgb>) -> Self {
+        Self { value: power.0.0.map(f64::from), stderr: [0.0; 3] }
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        Self {
+            value: array::from_fn(|c| self.value[c] + other.value[c]),
+            stderr: array::from_fn(|c| self.stderr[c].hypot(other.stderr[c])),
+        }
+    }
+
+    fn less(&self, other: &Self) -> Self {
+        self.plus(&Self { value: other.value.map(|x| -x), ..*other })
+    }
+}
