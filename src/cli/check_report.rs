@@ -193,7 +193,10 @@ impl CheckReport {
         let Orders { orders, beyond, sum, whole, spp } = &self.orders;
         let percent = |share: f64| format!("{:.3} %", 100.0 * share);
         let beyond_share = if sum.value > 0.0 { beyond.value / sum.value } else { 0.0 };
-        let rows = orders.iter().map(|term| {
+        // Orders after the last that adds something are not there.
+        let last = orders.iter().rposition(|term| term.radiance.value != 0.0).map_or(0, |last| last + 1);
+        let shown = if beyond.value == 0.0 { &orders[..last] } else { &orders[..] };
+        let rows = shown.iter().map(|term| {
             format!(
                 "{:>6}  {:>12.5e} ± {:.1e}  {:>9}  {:>9}",
                 term.order,
@@ -204,7 +207,7 @@ impl CheckReport {
             )
         });
         let heading = format!("{:>6}  {:>22}  {:>9}  {:>9}", "order", "adds, W/(m² sr)", "share", "cut here");
-        let last = format!(
+        let rest = format!(
             "{:>6}  {:>12.5e} ± {:.1e}  {:>9}",
             "beyond",
             beyond.value,
@@ -219,7 +222,7 @@ impl CheckReport {
             whole.stderr,
             self.orders.sigmas()
         );
-        [heading].into_iter().chain(rows).chain([last, sums]).collect::<Vec<_>>().join("\n")
+        [heading].into_iter().chain(rows).chain([rest, sums]).collect::<Vec<_>>().join("\n")
     }
 }
 

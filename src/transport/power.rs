@@ -11,7 +11,7 @@
 use std::array;
 use std::f32::consts::{PI, TAU};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use serde::Serialize;
 use thiserror::Error;
@@ -34,6 +34,9 @@ use crate::scene::Light;
 
 /// Streams beyond those of any pixel.
 const STREAMS: u64 = u64::MAX - 8;
+
+/// Sum of the area vectors of a closed mesh over its area: what single precision leaves of 0.
+const ROUNDING: f64 = 1e-3;
 
 const CAN: u32 = Kernel::Generic.abilities().bits();
 
@@ -89,6 +92,8 @@ impl PowerBalance {
 struct Surfaces {
     triangles: Vec<(u32, u32)>,
     by_area: Discrete,
+    /// By instance: triangles face outwards alike, so that it has an inside.
+    is_closed: Vec<bool>,
     /// m².
     area: f32,
 }
@@ -130,15 +135,20 @@ impl<C: RayCaster> Renderer<C> {
 
     fn surfaces(&self) -> Option<Surfaces> {
         let mut triangles = Vec::new();
-        let mut areas = Vec::new();
+        let (mut areas, mut is_closed) = (Vec::new(), Vec::new());
         for instance in 0..self.world.substances().len() as u32 {
+            let (mut whole, mut directed) = (0.0, DVec3::ZERO);
             for (primitive, [a, b, c]) in (0..).zip(self.world.triangles(instance)) {
+                let vector = 0.5 * (b - a).cross(c - a);
                 triangles.push((instance, primitive));
-                areas.push(0.5 * (b - a).cross(c - a).length());
+                areas.push(vector.length());
+                whole += f64::from(vector.length());
+                directed += vector.as_dvec3();
             }
+            is_closed.push(directed.length() <= ROUNDING * whole);
         }
         let area = areas.iter().map(|&area| f64::from(area)).sum::<f64>() as f32;
-        (area > 0.0).then(|| Surfaces { triangles, by_area: Discrete::new(areas), area })
+        (area > 0.0).then(|| Surfaces { triangles, by_area: Discrete::new(areas), is_closed, area })
     }
 
     /// Centre and radius of a sphere around all geometry, m.
@@ -171,8 +181,9 @@ impl<C: RayCaster> Renderer<C> {
         let barycentric = warp::square_to_triangle(random.next_f32(), random.next_f32());
         let hit = Hit { t: 0.0, u: barycentric.x, v: barycentric.y, instance, primitive };
         let point = self.world.surface::<CAN>(&hit);
-        // What goes on inside of a body that light enters is the body's own: what is absorbed in it is what does not come out.
-        let is_body = self.world.interior(instance).is_some();
+        // What goes on inside of a body is the body's own: what is absorbed in it is what does not come out.
+        let is_translucent = self.world.method(instance).is_some() && surfaces.is_closed[instance as usize];
+        let is_body = is_translucent || self.world.interior(instance).is_some();
         let (side, sides) = match is_body {
             true => (1.0, 1.0),
             false => (if random.next_f32() < 0.5 { 1.0 } else { -1.0 }, 2.0),
