@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::error::CliError;
-use crate::radiometry::{RadiantFlux, Rgb};
+use crate::radiometry::{Irradiance, Radiance, RadiantFlux, RadiantIntensity, Rgb, Spectrum};
 use crate::scene::Light;
 use crate::scene::light::Emission;
 use crate::study::laws::{BssrdfLaws, Orders, SurfaceLaws};
@@ -79,7 +79,6 @@ pub struct LightReport {
 impl LightReport {
     /// Of `light`.
     pub fn new(light: &Light) -> Self {
-        use crate::radiometry::{Irradiance, Radiance, RadiantIntensity};
         let (quantity, unit, emission) = match light.emission() {
             Emission::Radiance(Radiance(rgb)) => ("radiance", Radiance::UNIT, rgb),
             Emission::Intensity(RadiantIntensity(rgb)) => ("intensity", RadiantIntensity::UNIT, rgb),
@@ -91,7 +90,7 @@ impl LightReport {
     fn text(&self) -> String {
         let [r, g, b] = self.emission.0;
         let power = match self.power {
-            Some(RadiantFlux(Rgb { 0: [r, g, b] })) => {
+            Some(RadiantFlux(Spectrum([r, g, b]))) => {
                 format!(", power {r:.4} {g:.4} {b:.4} {}", RadiantFlux::UNIT)
             }
             None => String::new(),
