@@ -65,7 +65,7 @@ impl<C: RayCaster> Renderer<C> {
     }
 }
 
-/// Diameter of the plane in the lengths of the profile: all but 10⁻⁹ of the light leaves within.
+/// Diameter of the plane in reduced mean free paths: less than 10⁻³ of the light leaves beyond it, even where nothing is absorbed.
 const DIAMETERS: f32 = 1e4;
 
 /// The BSSRDF of a half-space.
@@ -106,8 +106,8 @@ impl PlaneBssrdf {
     }
 
     fn scattering(&self) -> Scattering<'_> {
-        let longest = self.scatterer.medium(1.0, albedo_factor).sigma_t_reduced().min_component();
-        let diameter = (DIAMETERS / longest).clamp(f32::MIN_POSITIVE, f32::MAX);
+        let thinnest = self.scatterer.medium(1.0, albedo_factor).sigma_t_reduced().min_component();
+        let diameter = (DIAMETERS / thinnest).clamp(f32::MIN_POSITIVE, f32::MAX);
         self.scatterer.at(1.0, diameter, albedo_factor)
     }
 }
