@@ -28,7 +28,7 @@ use crate::scene::{Light, Scene};
 use crate::transport::{Counters, RenderOptions, Renderer};
 
 /// Samples of each part of the power balance: a few per cent of noise, for less than a second.
-const POWER_SAMPLES: u64 = 2048;
+const POWER_SAMPLES: u64 = 1024;
 
 /// Arguments of `render`.
 #[derive(Args)]
