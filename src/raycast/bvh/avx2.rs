@@ -25,6 +25,13 @@ pub fn is_available() -> bool {
 }
 
 impl Kernel for Avx2 {
+    type Boxes = NodeRay;
+
+    #[inline(always)]
+    fn prepare(ray: &NodeRay) -> NodeRay {
+        *ray
+    }
+
     #[inline(always)]
     fn enter(ray: &NodeRay, node: &Node, t_max: f32) -> (u32, [f32; WIDTH]) {
         // SAFETY: see the module.
@@ -65,18 +72,23 @@ impl Kernel for Avx2 {
 #[target_feature(enable = "avx2,fma,bmi1,popcnt")]
 fn enter(ray: &NodeRay, node: &Node, t_max: f32) -> (u32, [f32; WIDTH]) {
     let slab = |axis: usize| {
-        let walls = &node.walls[axis];
         let inverse = _mm256_set1_ps(ray.inverse[axis]);
+        let step = _mm256_mul_ps(_mm256_set1_ps(node.step), inverse);
         let at = |wall: usize, which: usize| {
-            _mm256_fmadd_ps(must_cast(walls[wall]), inverse, _mm256_set1_ps(ray.offsets[which][axis]))
+            let walls = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(must_cast(node.walls[axis][wall])));
+            let offset = _mm256_set1_ps(ray.offsets[which][axis]);
+            let start = _mm256_fmadd_ps(_mm256_set1_ps(node.corner[axis]), inverse, offset);
+            _mm256_castps_si256(_mm256_fmadd_ps(_mm256_cvtepi32_ps(walls), step, start))
         };
         (at(ray.first(axis), 0), at(ray.first(axis) ^ 1, 1))
     };
     let [x, y, z] = [slab(0), slab(1), slab(2)];
-    let near = _mm256_max_ps(_mm256_max_ps(x.0, y.0), _mm256_max_ps(z.0, _mm256_setzero_ps()));
-    let far = _mm256_min_ps(_mm256_min_ps(x.1, y.1), _mm256_min_ps(z.1, _mm256_set1_ps(t_max)));
-    let mask = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far));
-    (mask as u32, must_cast(near))
+    // Compared as integers, which takes a quarter of the time: numbers that are not negative have the same order, and others come before.
+    let t_max = _mm256_castps_si256(_mm256_set1_ps(t_max));
+    let near = _mm256_max_epi32(_mm256_max_epi32(x.0, y.0), _mm256_max_epi32(z.0, _mm256_setzero_si256()));
+    let far = _mm256_min_epi32(_mm256_min_epi32(x.1, y.1), _mm256_min_epi32(z.1, t_max));
+    let outside = _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(near, far)));
+    (!outside as u32 & 0xff, must_cast(near))
 }
 
 /// By mask: which lanes are set in it, first.
@@ -112,7 +124,7 @@ fn gather(node: &Node, mask: u32, near: &[f32; WIDTH]) -> [Entry; WIDTH] {
 /// The operations of [`WatertightRay::intersect`], in the same order. They are such as every processor has, so that this can be part of all
 /// that call it: as a function of its own it would hand over its results by memory.
 #[inline(always)]
-fn meet(ray: &WatertightRay, block: &TriangleBlock, t_max: f32) -> Crossings {
+pub fn meet(ray: &WatertightRay, block: &TriangleBlock, t_max: f32) -> Crossings {
     let [kx, ky, kz] = ray.axes;
     if kx > 2 || ky > 2 || kz > 2 {
         return Crossings::NONE;

@@ -73,16 +73,16 @@ impl Collapse<'_> {
         while let Some((part, target, level)) = stack.pop() {
             self.depth = self.depth.max(level);
             let (leaves, inner) = self.children(part);
-            let mut node = Node::EMPTY;
-            for (i, boxes) in leaves.iter().enumerate() {
-                let child = leaf(self.arena, &boxes.boxes)?;
-                node.set(i, &boxes.bounds, child);
+            let mut children = ArrayVec::<_, WIDTH>::new();
+            for boxes in &leaves {
+                children.push((boxes.bounds, leaf(self.arena, &boxes.boxes)?));
             }
-            for (i, &part) in (leaves.len()..).zip(&inner) {
+            for part in inner {
                 let word = self.new_node()?;
-                node.set(i, &self.parts[part as usize].bounds(), Child::node(word));
+                children.push((self.parts[part as usize].bounds(), Child::node(word)));
                 stack.push((part, word, level + 1));
             }
+            let node = Node::new(&children);
             let place: [Word; NODE_WORDS] = must_cast(node);
             self.arena.words_mut()[target..target + NODE_WORDS].copy_from_slice(&place);
         }

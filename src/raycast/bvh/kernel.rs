@@ -1,4 +1,4 @@
-//! The two tests that a traversal is made of, for eight boxes and for four triangles at once: by AVX2 where the processor has it,
+//! The two tests that a traversal is made of, for eight boxes and for four triangles at once: by AVX-512 or AVX2 where the processor has it,
 //! and in plain Rust. Hits are the same bit for bit: boxes only decide what is looked at, and triangles are computed without fused
 //! operations.
 
@@ -89,8 +89,14 @@ pub trait Query {
 
 /// An implementation of the tests.
 pub trait Kernel: Sized {
+    /// A ray as this kernel tests boxes with it.
+    type Boxes;
+
+    /// The ray in that form.
+    fn prepare(ray: &NodeRay) -> Self::Boxes;
+
     /// Which of the boxes of `node` the ray may enter before `t_max` (by bits), and where it enters each.
-    fn enter(ray: &NodeRay, node: &Node, t_max: f32) -> (u32, [f32; WIDTH]);
+    fn enter(ray: &Self::Boxes, node: &Node, t_max: f32) -> (u32, [f32; WIDTH]);
 
     /// The entries of the boxes in `mask`, first.
     fn gather(node: &Node, mask: u32, near: &[f32; WIDTH]) -> [Entry; WIDTH];
@@ -109,6 +115,13 @@ pub trait Kernel: Sized {
 pub struct Portable;
 
 impl Kernel for Portable {
+    type Boxes = NodeRay;
+
+    #[inline(always)]
+    fn prepare(ray: &NodeRay) -> NodeRay {
+        *ray
+    }
+
     #[inline(always)]
     fn enter(ray: &NodeRay, node: &Node, t_max: f32) -> (u32, [f32; WIDTH]) {
         let mut near = [0.0_f32; WIDTH];
@@ -116,9 +129,12 @@ impl Kernel for Portable {
         for axis in 0..3 {
             let first = ray.first(axis);
             let (first, last) = (&node.walls[axis][first], &node.walls[axis][first ^ 1]);
+            let step = node.step * ray.inverse[axis];
+            let at = |which: usize| node.corner[axis] * ray.inverse[axis] + ray.offsets[which][axis];
+            let (start, end) = (at(0), at(1));
             for i in 0..WIDTH {
-                near[i] = near[i].max(first[i] * ray.inverse[axis] + ray.offsets[0][axis]);
-                far[i] = far[i].min(last[i] * ray.inverse[axis] + ray.offsets[1][axis]);
+                near[i] = near[i].max(f32::from(first[i]) * step + start);
+                far[i] = far[i].min(f32::from(last[i]) * step + end);
             }
         }
         ((0..WIDTH).map(|i| u32::from(near[i] <= far[i]) << i).sum(), near)
@@ -146,6 +162,7 @@ impl Kernel for Portable {
         crossings
     }
 
+    #[inline(never)]
     fn answer<Q: Query>(query: Q) -> Q::Answer {
         query.answer::<Self>()
     }

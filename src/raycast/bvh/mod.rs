@@ -1,6 +1,7 @@
 //! Ray queries in Rust alone: the equal of Embree, and the way to build without it.
 //!
-//! Nodes have eight children, which are tested at once, as are the four triangles of a leaf. All of it lies in one arena: the triangles of
+//! Nodes have eight children, which are tested at once, as are the four triangles of a leaf. The walls of their boxes take a byte each: a ray that
+//! strays through a large hierarchy spends most of its time waiting for memory. All of it lies in one arena: the triangles of
 //! each mesh that is placed once, in the world; those of meshes that are placed several times, in their own space; and the
 //! hierarchy over the placements. A traversal walks from one into the other without noticing, but for rays that change the
 //! space. The triangle test is watertight, and boxes are tested with their walls moved outwards by more than all rounding.
@@ -9,6 +10,8 @@
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
 mod build;
 mod kernel;
 mod nearest;
@@ -37,7 +40,7 @@ use super::{DistanceQuery, Geometry, Hit, Ray, RayCaster, RaycastError, Triangle
 /// Coordinates beyond this would overflow in the test of boxes.
 const LARGEST_COORDINATE: f32 = 1e13;
 
-/// More than hierarchies need as a rule: about 5.5 for blocks and 2.5 for nodes. Room that is not used takes no memory.
+/// More than hierarchies need as a rule: about 5.5 for blocks and 1 for nodes. Room that is not used takes no memory.
 const WORDS_PER_TRIANGLE: usize = 12;
 
 /// The pure-Rust backend.
@@ -48,12 +51,32 @@ pub struct BvhCaster {
     world: Option<Subtree>,
     /// By instance of the geometry, if it has triangles.
     placements: Vec<Option<Placement>>,
+    /// Some instances do not lie in the world.
+    has_instances: bool,
     /// The instances that lie in the world: the first unit of each, and its number, in rising order.
     baked: Vec<(usize, u32)>,
     build_time: Duration,
-    /// If the processor has AVX2.
-    #[cfg(target_arch = "x86_64")]
-    has_avx2: bool,
+    instructions: Instructions,
+}
+
+/// What a processor can do, in rising order.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Instructions {
+    Portable,
+    Avx2,
+    Avx512,
+}
+
+impl Instructions {
+    fn best() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if avx512::is_available() {
+            return Self::Avx512;
+        } else if avx2::is_available() {
+            return Self::Avx2;
+        }
+        Self::Portable
+    }
 }
 
 /// Triangles of an instance.
@@ -103,23 +126,24 @@ impl BvhCaster {
         }
         let world = build_world(&mut arena, geometry, &placements)?;
         Ok(Self {
+            has_instances: placements.iter().flatten().any(|placement| placement.space.is_some()),
             arena,
             world,
             placements,
             baked,
             build_time: start.elapsed(),
-            #[cfg(target_arch = "x86_64")]
-            has_avx2: avx2::is_available(),
+            instructions: Instructions::best(),
         })
+    }
+
+    /// The same with instructions no newer than AVX2.
+    pub fn at_most_avx2(self) -> Self {
+        Self { instructions: self.instructions.min(Instructions::Avx2), ..self }
     }
 
     /// The same without instructions that not every processor has.
     pub fn portable(self) -> Self {
-        Self {
-            #[cfg(target_arch = "x86_64")]
-            has_avx2: false,
-            ..self
-        }
+        Self { instructions: Instructions::Portable, ..self }
     }
 
     /// How long [`BvhCaster::new`] took.
@@ -148,35 +172,44 @@ impl BvhCaster {
     fn closest_of<K: Kernel>(&self, ray: &Ray, instance: u32, room: &mut [Entry]) -> Option<Hit> {
         let placement = self.placement(instance)?;
         let ray = &placement.to_object(ray);
-        K::answer(Closest { caster: self, ray, subtree: &placement.mesh, room })
+        K::answer(Closest::<false> { caster: self, ray, subtree: &placement.mesh, room })
     }
 
     fn is_occluded_by<K: Kernel>(&self, ray: &Ray, instance: u32, room: &mut [Entry]) -> bool {
         self.placement(instance).is_some_and(|placement| {
             let ray = &placement.to_object(ray);
-            K::answer(Occluded { caster: self, ray, subtree: &placement.mesh, room })
+            K::answer(Occluded::<false> { caster: self, ray, subtree: &placement.mesh, room })
         })
     }
 
     /// Answers by the best instructions that there are.
+    #[inline]
     fn answer<Q: Query>(&self, query: Q) -> Q::Answer {
-        #[cfg(target_arch = "x86_64")]
-        if self.has_avx2 {
-            return avx2::Avx2::answer(query);
+        match self.instructions {
+            #[cfg(target_arch = "x86_64")]
+            Instructions::Avx512 => avx512::Avx512::answer(query),
+            #[cfg(target_arch = "x86_64")]
+            Instructions::Avx2 => avx2::Avx2::answer(query),
+            _ => Portable::answer(query),
         }
-        Portable::answer(query)
     }
 }
 
 impl RayCaster for BvhCaster {
     fn closest(&self, ray: &Ray) -> Option<Hit> {
         let subtree = self.world.as_ref()?;
-        with_room(|room| self.answer(Closest { caster: self, ray, subtree, room }))
+        with_room(|room| match self.has_instances {
+            true => self.answer(Closest::<true> { caster: self, ray, subtree, room }),
+            false => self.answer(Closest::<false> { caster: self, ray, subtree, room }),
+        })
     }
 
     fn occluded(&self, ray: &Ray) -> bool {
         let Some(subtree) = &self.world else { return false };
-        with_room(|room| self.answer(Occluded { caster: self, ray, subtree, room }))
+        with_room(|room| match self.has_instances {
+            true => self.answer(Occluded::<true> { caster: self, ray, subtree, room }),
+            false => self.answer(Occluded::<false> { caster: self, ray, subtree, room }),
+        })
     }
 
     fn all_hits(&self, ray: &Ray, instance: u32, hits: &mut Vec<Hit>) {
@@ -199,15 +232,15 @@ impl RayCaster for BvhCaster {
     }
 }
 
-/// The nearest hit below `subtree`.
-struct Closest<'a> {
+/// The nearest hit below `subtree`, in which there may be instances if `PLACED`: without them the loop has more registers for the rest.
+struct Closest<'a, const PLACED: bool> {
     caster: &'a BvhCaster,
     ray: &'a Ray,
     subtree: &'a Subtree,
     room: &'a mut [Entry],
 }
 
-impl Query for Closest<'_> {
+impl<const PLACED: bool> Query for Closest<'_, PLACED> {
     type Answer = Option<Hit>;
 
     #[inline(always)]
@@ -216,7 +249,7 @@ impl Query for Closest<'_> {
         let boxes = NodeRay::new(ray, subtree.largest);
         let triangles = WatertightRay::new(ray);
         let words = caster.arena.words();
-        let mut traversal = Traversal::new(words, &boxes, room);
+        let mut traversal = Traversal::<K>::new(words, &boxes, room);
         let mut t_max = ray.t_max;
         let mut nearest: Option<(Crossing, Child)> = None;
         let mut take = |crossing: Crossing, leaf: Child| {
@@ -232,8 +265,8 @@ impl Query for Closest<'_> {
         };
         let mut next = Some(subtree.root);
         while let Some(child) = next {
-            if let Some(leaf) = traversal.nearest_leaf::<K>(child, t_max) {
-                if let Some(instance) = leaf.as_instance() {
+            if let Some(leaf) = traversal.nearest_leaf(child, t_max) {
+                if PLACED && let Some(instance) = leaf.as_instance() {
                     let ray = Ray { t_max, ..*ray };
                     if let Some(hit) = caster.closest_of::<K>(&ray, instance, traversal.rest()) {
                         t_max = take(hit.into(), leaf);
@@ -251,15 +284,15 @@ impl Query for Closest<'_> {
     }
 }
 
-/// Whether there is a hit below `subtree`.
-struct Occluded<'a> {
+/// Whether there is a hit below `subtree`; `PLACED` as for [`Closest`].
+struct Occluded<'a, const PLACED: bool> {
     caster: &'a BvhCaster,
     ray: &'a Ray,
     subtree: &'a Subtree,
     room: &'a mut [Entry],
 }
 
-impl Query for Occluded<'_> {
+impl<const PLACED: bool> Query for Occluded<'_, PLACED> {
     type Answer = bool;
 
     #[inline(always)]
@@ -268,13 +301,13 @@ impl Query for Occluded<'_> {
         let boxes = NodeRay::new(ray, subtree.largest);
         let triangles = WatertightRay::new(ray);
         let words = caster.arena.words();
-        let mut traversal = Traversal::new(words, &boxes, room);
+        let mut traversal = Traversal::<K>::new(words, &boxes, room);
         let mut next = Some(subtree.root);
         while let Some(child) = next {
-            if let Some(leaf) = traversal.any_leaf::<K>(child, ray.t_max) {
+            if let Some(leaf) = traversal.any_leaf(child, ray.t_max) {
                 let is_met = match leaf.as_instance() {
-                    Some(instance) => caster.is_occluded_by::<K>(ray, instance, traversal.rest()),
-                    None => K::meet(&triangles, block(words, leaf), ray.t_max).mask != 0,
+                    Some(instance) if PLACED => caster.is_occluded_by::<K>(ray, instance, traversal.rest()),
+                    _ => K::meet(&triangles, block(words, leaf), ray.t_max).mask != 0,
                 };
                 if is_met {
                     return true;
@@ -304,10 +337,10 @@ impl Query for AllHits<'_> {
         let Self { words, ray, subtree, instance, hits, room } = self;
         let boxes = NodeRay::new(ray, subtree.largest);
         let triangles = WatertightRay::new(ray);
-        let mut traversal = Traversal::new(words, &boxes, room);
+        let mut traversal = Traversal::<K>::new(words, &boxes, room);
         let mut next = Some(subtree.root);
         while let Some(child) = next {
-            if let Some(leaf) = traversal.any_leaf::<K>(child, ray.t_max) {
+            if let Some(leaf) = traversal.any_leaf(child, ray.t_max) {
                 let block = block(words, leaf);
                 let crossings = K::meet(&triangles, block, ray.t_max);
                 hits.extend(crossings.of(block).map(|crossing| crossing.hit(instance)));

@@ -69,7 +69,8 @@ fn squared_distances(node: &Node, point: Vec3) -> [f32; WIDTH] {
     let mut squares = [0.0_f32; WIDTH];
     for (axis, [low, high]) in node.walls.iter().enumerate() {
         for i in 0..WIDTH {
-            let distance = (low[i] - point[axis]).max(point[axis] - high[i]).max(0.0);
+            let (low, high) = (node.wall(axis, low[i]), node.wall(axis, high[i]));
+            let distance = (low - point[axis]).max(point[axis] - high).max(0.0);
             squares[i] += distance * distance;
         }
     }

@@ -1,7 +1,7 @@
 //! What a hierarchy is made of: nodes of eight boxes and blocks of four triangles, one after the other in words of eight bytes.
 
 use bytemuck::{Pod, Zeroable, must_cast_ref};
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
 use super::partition::Bounds;
 
@@ -39,8 +39,12 @@ pub fn block(words: &[Word], child: Child) -> &TriangleBlock {
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub struct Node {
-    /// By axis: lower and upper walls.
-    pub walls: [[[f32; WIDTH]; 2]; 3],
+    /// The lowest corner of all boxes.
+    pub corner: [f32; 3],
+    /// What walls are counted in: a power of two.
+    pub step: f32,
+    /// By axis: lower and upper walls, in steps from the corner.
+    pub walls: [[[u8; WIDTH]; 2]; 3],
     /// What is in the boxes.
     pub children: [Child; WIDTH],
 }
@@ -94,21 +98,62 @@ impl Child {
     }
 }
 
-impl Node {
-    /// A node without children: no ray enters such boxes.
-    pub const EMPTY: Self = Self {
-        walls: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3],
-        children: [Child::NOTHING; WIDTH],
-    };
+/// The least step: its products with what rays are made of are normal numbers.
+const LEAST_STEP: f32 = f32::from_bits(27 << 23);
 
-    /// Puts `child`, which is within `bounds`, in place `i`.
-    pub fn set(&mut self, i: usize, Bounds { low, high }: &Bounds, child: Child) {
-        for axis in 0..3 {
-            self.walls[axis][0][i] = low[axis];
-            self.walls[axis][1][i] = high[axis];
+impl Node {
+    /// A node of at most eight children, each within its bounds.
+    pub fn new(children: &[(Bounds, Child)]) -> Self {
+        let children = children.iter().map(|(bounds, child)| (within_limits(*bounds), *child));
+        let Bounds { low, high } = children.clone().fold(Bounds::EMPTY, |all, (bounds, _)| all.union(bounds));
+        let mut node = Self {
+            corner: low.to_array(),
+            step: step((high - low).max_element()),
+            // What is not there ends before it begins.
+            walls: [[[u8::MAX; WIDTH], [0; WIDTH]]; 3],
+            children: [Child::NOTHING; WIDTH],
+        };
+        for (i, (Bounds { low, high }, child)) in children.enumerate() {
+            for axis in 0..3 {
+                node.walls[axis][0][i] = node.steps_below(axis, low[axis]);
+                node.walls[axis][1][i] = node.steps_above(axis, high[axis]);
+            }
+            node.children[i] = child;
         }
-        self.children[i] = child;
+        node
     }
+
+    /// Where the wall is that is so many steps from the corner.
+    #[inline(always)]
+    pub fn wall(&self, axis: usize, steps: u8) -> f32 {
+        self.corner[axis] + f32::from(steps) * self.step
+    }
+
+    /// The most steps to a wall that is not above `x`.
+    fn steps_below(&self, axis: usize, x: f32) -> u8 {
+        let steps = ((x - self.corner[axis]) / self.step).floor() as u8;
+        // Because of rounding.
+        steps - u8::from(self.wall(axis, steps) > x)
+    }
+
+    /// The fewest steps to a wall that is not below `x`.
+    fn steps_above(&self, axis: usize, x: f32) -> u8 {
+        let steps = ((x - self.corner[axis]) / self.step).ceil() as u8;
+        steps + u8::from(self.wall(axis, steps) < x)
+    }
+}
+
+/// Walls beyond this, which far-off instances may have, would overflow with the rays. No visible triangle is there.
+const LIMIT: Vec3A = Vec3A::splat(1e20);
+
+/// With finite walls, even if `bounds` are not numbers.
+fn within_limits(Bounds { low, high }: Bounds) -> Bounds {
+    Bounds { low: low.max(-LIMIT).min(LIMIT), high: high.min(LIMIT).max(-LIMIT) }
+}
+
+/// The least power of two of which 254 reach as far: one more is for rounding.
+fn step(extent: f32) -> f32 {
+    f32::from_bits((extent / 254.0).max(LEAST_STEP).to_bits().next_multiple_of(1 << 23))
 }
 
 /// Up to four triangles.

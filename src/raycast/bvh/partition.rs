@@ -1,4 +1,4 @@
-//! How boxes are parted: in two, and the halves in two again, where the sum of surfaces times what is within is least (the surface area
+//! How boxes are parted: in two, and the halves in two again, where the sum of surfaces times the leaves within is least (the surface area
 //! heuristic, in bins: Wald 2007, "On fast construction of SAH-based bounding volume hierarchies"); and how many of the parts are best put
 //! side by side in a node (dynamic programming after Ylitie, Karras, Laine 2017, "Efficient incoherent ray traversal on GPUs through
 //! compressed wide BVHs", section 3.1).
@@ -164,7 +164,7 @@ impl Partition {
             return [item.bounds().half_area(); WIDTH];
         }
         let count = items.len();
-        let middle = if levels > 0 { split(items) } else { count / 2 };
+        let middle = if levels > 0 { split(items, self.capacity) } else { count / 2 };
         let levels = levels.saturating_sub(1);
         let (left, right) = items.split_at_mut(middle);
         let (halves, rest) = rest.split_at_mut(2);
@@ -228,8 +228,12 @@ impl Bin {
         Self { bounds: self.bounds.union(other.bounds), count: self.count + other.count }
     }
 
-    fn cost(self) -> f32 {
-        if self.count == 0 { 0.0 } else { self.bounds.half_area() * self.count as f32 }
+    /// In leaves: one that is not full costs no less.
+    fn cost(self, capacity: usize) -> f32 {
+        if self.count == 0 {
+            return 0.0;
+        }
+        self.bounds.half_area() * self.count.div_ceil(capacity as u32) as f32
     }
 }
 
@@ -254,7 +258,7 @@ impl Grid {
         } else {
             centres(items)
         };
-        let bins = BINS.min(4 + items.len() / 16);
+        let bins = BINS.min(8 + items.len() / 16);
         // Everything falls into the first bin where there is no extent.
         let extent = (high - low).max(Vec3A::splat(f32::MIN_POSITIVE));
         Self { low, scale: Vec3A::splat((bins - 1) as f32) / extent, bins }
@@ -287,8 +291,9 @@ impl Grid {
     }
 }
 
-/// Brings `items`, of which there are at least two, into an order so that it is best to part them before the one that is returned.
-fn split(items: &mut [Item]) -> usize {
+/// Brings `items`, of which there are at least two, into an order so that it is best to part them before the one that is returned. Of items up to
+/// `capacity` a leaf can be made.
+fn split(items: &mut [Item], capacity: usize) -> usize {
     let middle = items.len() / 2;
     if items.len() <= FEW {
         sort_along_widest(items);
@@ -303,7 +308,7 @@ fn split(items: &mut [Item]) -> usize {
     } else {
         grid.fill(items)
     };
-    let Some((axis, bin)) = best_plane(&bins, grid.bins) else { return middle };
+    let Some((axis, bin)) = best_plane(&bins, grid.bins, capacity) else { return middle };
     let (mut left, mut right) = (0, items.len());
     while left < right {
         if grid.bin_along(axis, &items[left]) < bin {
@@ -326,7 +331,7 @@ fn sort_along_widest(items: &mut [Item]) {
 }
 
 /// The axis, and the first bin on the right; none if everything falls into one.
-fn best_plane(bins: &Bins, count: usize) -> Option<(usize, usize)> {
+fn best_plane(bins: &Bins, count: usize, capacity: usize) -> Option<(usize, usize)> {
     let (mut least, mut best) = (f32::INFINITY, None);
     for (axis, bins) in bins.iter().enumerate() {
         let mut right = [Bin::EMPTY; BINS];
@@ -337,7 +342,7 @@ fn best_plane(bins: &Bins, count: usize) -> Option<(usize, usize)> {
         let mut left = Bin::EMPTY;
         for i in 1..count {
             left = left.and(bins[i - 1]);
-            let cost = left.cost() + right[i].cost();
+            let cost = left.cost(capacity) + right[i].cost(capacity);
             if left.count > 0 && right[i].count > 0 && cost < least {
                 (least, best) = (cost, Some((axis, i)));
             }

@@ -6,8 +6,9 @@ use crate::raycast::Ray;
 
 /// A ray for tests of boxes that misses none which the ray meets, whatever the rounding.
 ///
-/// A wall at b is met at b/d − o/d. What rounding does to that is at most 2 ε (|b| + |o|)/|d|. Near walls are met that much earlier and
-/// more, far ones later, with b as large as any coordinate of the hierarchy.
+/// The wall that is n steps s from the corner c of a node is met at n·s/d + (c/d − o/d). What rounding does to that is at most 3 ε (|b| + |o|)/|d|, with
+/// b the larger of wall and corner. Near walls are met that much earlier and more, far ones later, with b as large as any coordinate of the hierarchy.
+#[derive(Clone, Copy)]
 pub struct NodeRay {
     /// 1/d.
     pub inverse: Vec3A,
@@ -17,7 +18,8 @@ pub struct NodeRay {
     negative: u32,
 }
 
-/// Walls are moved by so many ε of the coordinates. The test of triangles has roundings of its own: up to 3 ε.
+/// Walls are moved by so many ε of the coordinates. The test of triangles has roundings of its own, up to 3 ε, and a wall
+/// lies beyond what is behind it only when rounded, to ½ ε.
 const ROUNDINGS: f32 = 8.0;
 
 /// A component is at least this part of the longest one, so that its reciprocal is finite.

@@ -42,19 +42,19 @@ impl Subtree {
 }
 
 /// A walk of a ray through the boxes of a hierarchy: down from a child to a leaf, then on from the next child on the stack.
-pub struct Traversal<'a> {
+pub struct Traversal<'a, K: Kernel> {
     words: &'a [Word],
-    ray: &'a NodeRay,
+    ray: K::Boxes,
     /// The stack, as far as it reaches, and room for more.
     room: &'a mut [Entry],
     length: usize,
 }
 
-impl<'a> Traversal<'a> {
+impl<'a, K: Kernel> Traversal<'a, K> {
     /// Begins with nothing on the stack.
     #[inline(always)]
-    pub fn new(words: &'a [Word], ray: &'a NodeRay, room: &'a mut [Entry]) -> Self {
-        Self { words, ray, room, length: 0 }
+    pub fn new(words: &'a [Word], ray: &NodeRay, room: &'a mut [Entry]) -> Self {
+        Self { words, ray: K::prepare(ray), room, length: 0 }
     }
 
     /// What of the room is not used.
@@ -66,10 +66,10 @@ impl<'a> Traversal<'a> {
     /// The nearest block or instance below `child` that the ray may enter before `t_max`; the others are left on the stack,
     /// nearer ones above.
     #[inline(always)]
-    pub fn nearest_leaf<K: Kernel>(&mut self, mut child: Child, t_max: f32) -> Option<Child> {
+    pub fn nearest_leaf(&mut self, mut child: Child, t_max: f32) -> Option<Child> {
         while child.is_node() {
             let node = node(self.words, child);
-            let (mask, near) = K::enter(self.ray, node, t_max);
+            let (mask, near) = K::enter(&self.ray, node, t_max);
             if mask == 0 {
                 return None;
             }
@@ -82,15 +82,15 @@ impl<'a> Traversal<'a> {
             let second = rest.trailing_zeros() as usize & (WIDTH - 1);
             if rest & (rest - 1) == 0 {
                 let other = node.children[second];
-                self.prefetch::<K>(child);
-                self.prefetch::<K>(other);
+                self.prefetch(child);
+                self.prefetch(other);
                 let (a, b) = (entry(near[first], child), entry(near[second], other));
                 self.room[self.length] = a.max(b);
                 self.length += 1;
                 child = Child(a.min(b) as u32);
                 continue;
             }
-            child = Child(sort(self.push_all::<K>(node, mask, &near)) as u32);
+            child = Child(sort(self.push_all(node, mask, &near)) as u32);
             self.length -= 1;
         }
         Some(child)
@@ -98,18 +98,18 @@ impl<'a> Traversal<'a> {
 
     /// Some block or instance below `child` that the ray may enter before `t_max`; the others are left on the stack.
     #[inline(always)]
-    pub fn any_leaf<K: Kernel>(&mut self, mut child: Child, t_max: f32) -> Option<Child> {
+    pub fn any_leaf(&mut self, mut child: Child, t_max: f32) -> Option<Child> {
         while child.is_node() {
             let node = node(self.words, child);
-            let (mask, near) = K::enter(self.ray, node, t_max);
+            let (mask, near) = K::enter(&self.ray, node, t_max);
             if mask == 0 {
                 return None;
             }
             child = node.children[mask.trailing_zeros() as usize & (WIDTH - 1)];
             let rest = mask & (mask - 1);
             if rest != 0 {
-                self.prefetch::<K>(child);
-                self.push_all::<K>(node, rest, &near);
+                self.prefetch(child);
+                self.push_all(node, rest, &near);
             }
         }
         Some(child)
@@ -129,7 +129,7 @@ impl<'a> Traversal<'a> {
 
     /// Puts the children in `mask` on the stack.
     #[inline(always)]
-    fn push_all<K: Kernel>(&mut self, node: &Node, mask: u32, near: &[f32; WIDTH]) -> &mut [Entry] {
+    fn push_all(&mut self, node: &Node, mask: u32, near: &[f32; WIDTH]) -> &mut [Entry] {
         let count = mask.count_ones() as usize;
         let place = &mut self.room[self.length..][..WIDTH];
         place.copy_from_slice(&K::gather(node, mask, near));
@@ -142,7 +142,7 @@ impl<'a> Traversal<'a> {
     }
 
     #[inline(always)]
-    fn prefetch<K: Kernel>(&self, child: Child) {
+    fn prefetch(&self, child: Child) {
         K::prefetch(self.words, child);
     }
 }
