@@ -4,7 +4,7 @@
 # ratio of processor times of alternating runs, as median and the middle three quarters. Instructions of two sample counts are subtracted, so that
 # loading does not count.
 #
-#   scripts/cost_of_absence.sh [ROUNDS]       15 rounds of timing by default, 0: only instructions
+#   scripts/cost_of_absence.sh [ROUNDS [EFFECT...]]       15 rounds of timing by default, 0: only instructions; all effects by default
 #
 # The builds take some minutes the first time.
 set -euo pipefail
@@ -12,6 +12,8 @@ cd "$(dirname "$0")/.."
 
 command -v valgrind >/dev/null || { echo "valgrind is missing: apt-get install valgrind" >&2; exit 1; }
 rounds=${1:-15}
+effects=("${@:2}")
+[ ${#effects[@]} -gt 0 ] || effects=(subsurface refraction textures)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -63,7 +65,7 @@ rows=(
 # The wrapper adds the flag to this workspace only, so that dependencies are built once.
 programs=target/cost_of_absence
 mkdir -p "$programs"
-for effect in subsurface refraction textures; do
+for effect in "${effects[@]}"; do
     wrapper=$PWD/$programs/without-$effect.sh
     printf '#!/bin/sh\nexec "$@" --cfg %s\n' "'alabaster_without=\"$effect\"'" >"$wrapper"
     chmod +x "$wrapper"
@@ -90,6 +92,7 @@ echo "| without | scene | kernel | instructions, present / absent | time, presen
 echo "|---|---|---|---|---|"
 for row in "${rows[@]}"; do
     read -r effect scene <<<"$row"
+    [[ " ${effects[*]} " == *" $effect "* ]] || continue
     present=$programs/with
     absent=$programs/without-$effect
     kernel=$(render "$present" "$scene" 1 4 --json 2>/dev/null | sed 's/.*"kernel":"\([^"]*\)".*/\1/')
