@@ -48,9 +48,11 @@ fn main() {
     let recording = record(&recorder, RAYS);
 
     let start = process_seconds();
-    let plain = Bare::new(&scene, false);
+    // With the lights that can be met.
+    let met = recorder.scene();
+    let plain = Bare::new(met, false);
     println!("bare Embree: {:.2} CPU s, {} MB", process_seconds() - start, plain.bytes() >> 20);
-    let robust = Bare::new(&scene, true);
+    let robust = Bare::new(met, true);
     let wrapper = caster("wrapper", &scene, |g| EmbreeCaster::new(g, 0), EmbreeCaster::bytes);
     let bvh = caster("bvh", &scene, BvhCaster::new, BvhCaster::bytes);
     let portable =
