@@ -3,9 +3,10 @@
 use arrayvec::ArrayVec;
 use bytemuck::must_cast;
 
+use super::bounds::Bounds;
 use super::node::{Child, LANES, NODE_WORDS, Node, WIDTH, Word};
 use super::pages::Arena;
-use super::partition::{Bounds, Cut, Item, Part, partition};
+use super::partition::{Cut, Item, Part, partition};
 use crate::raycast::RaycastError;
 
 /// Levels of nodes that traversals have room for. Halves of up to 2³² boxes need no more.

@@ -12,6 +12,7 @@
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+mod bounds;
 mod build;
 mod kernel;
 mod nearest;
@@ -26,11 +27,12 @@ use std::time::{Duration, Instant};
 use bytemuck::must_cast;
 use glam::{Affine3A, Vec3, Vec3A};
 
+use self::bounds::Bounds;
 use self::build::build;
 use self::kernel::{Crossing, Entry, Kernel, Portable, Query};
 use self::node::{BLOCK_WORDS, Child, LANES, TriangleBlock, Word, block};
 use self::pages::{Arena, Pages};
-use self::partition::{Bounds, Item};
+use self::partition::Item;
 use self::prepared::NodeRay;
 use self::traverse::{Subtree, Traversal, with_room};
 use super::nearest::{Nearest, ObjectSpace};

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable, must_cast_ref};
 use glam::{Vec3, Vec3A};
 
-use super::partition::Bounds;
+use super::bounds::Bounds;
 
 /// Children of a node.
 pub const WIDTH: usize = 8;

@@ -2,10 +2,10 @@
 
 use std::cell::RefCell;
 
+use super::bounds::Bounds;
 use super::build::{Built, DEPTH};
 use super::kernel::{Entry, Kernel, entry};
 use super::node::{Child, Node, WIDTH, Word, node};
-use super::partition::Bounds;
 use super::prepared::NodeRay;
 
 /// Levels of the hierarchy over placements and of one below it.
