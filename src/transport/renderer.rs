@@ -128,14 +128,14 @@ impl<C: RayCaster> Renderer<C> {
     /// Prepares `scene`; `build` makes the ray caster from its triangles.
     pub fn new(
         mut scene: Scene,
-        mut options: RenderOptions,
+        options: RenderOptions,
         build: impl FnOnce(&Geometry) -> Result<C, RaycastError>,
     ) -> Result<Self, RenderError> {
         check(&scene)?;
         // The plan is to know how long paths are to be, and may shorten them.
         scene.render.max_depth = options.max_depth;
         let plan = Plan::prepare(&mut scene, &Request::from(&options))?;
-        options.max_depth = scene.render.max_depth;
+        let depth_limit = Some(scene.render.max_depth).filter(|&depth| depth > 0);
         let kernel = plan.kernel;
         if !kernel.suits(plan.needed) {
             return Err(RenderError::LeftOut);
@@ -168,7 +168,7 @@ impl<C: RayCaster> Renderer<C> {
             lights,
             scatterers,
             options,
-            depth_limit: (options.max_depth > 0).then_some(options.max_depth),
+            depth_limit,
             has_passages,
             has_walks,
             plan,
