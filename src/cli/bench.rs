@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::bar::Bar;
 use super::choice::SubsurfaceArgs;
-use super::console::{print_line, say};
+use super::console::{print_line, warn};
 use super::error::CliError;
 use super::threads::ThreadArgs;
 use crate::scene::read_scene;
@@ -63,7 +63,7 @@ pub fn run(args: &BenchArgs) -> Result<(), CliError> {
         Some(path) => read_scene(path)?,
         None => ball(),
     };
-    scene.warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
+    warn(&scene.warnings);
     args.subsurface.override_in(&mut scene.subsurface);
     let settings = Settings {
         rays: args.rays as usize,

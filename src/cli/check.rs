@@ -7,7 +7,7 @@ use clap::Args;
 use super::backend::{RayWork, run_on};
 use super::check_report::{CheckReport, LightReport, MaterialReport, ProfileReport};
 use super::choice::{SubsurfaceArgs, named, not_negative};
-use super::console::{print_line, say};
+use super::console::print_line;
 use super::error::CliError;
 use super::force::ForceArgs;
 use super::threads::ThreadArgs;
@@ -16,7 +16,7 @@ use crate::math::sampler::HashGenerator;
 use crate::raycast::{Backend, Geometry, RayCaster, RaycastError};
 use crate::scene::Scene;
 use crate::study::laws::{SurfaceLaws, check_bssrdf, check_surface, neumann_orders};
-use crate::transport::{RenderOptions, Renderer};
+use crate::transport::Renderer;
 
 /// Points of a textured material that are looked at.
 const POINTS: usize = 16;
@@ -68,7 +68,6 @@ pub struct CheckArgs {
 pub fn run(args: &CheckArgs) -> Result<(), CliError> {
     args.threads.start()?;
     let mut scene = args.force.read_scene(&args.scene)?;
-    scene.warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
     args.subsurface.override_in(&mut scene.subsurface);
     let film = &mut scene.film;
     let scaled = |length: u32, by: u32, of: u32| {
@@ -93,9 +92,7 @@ struct Check<'a> {
 impl RayWork for Check<'_> {
     fn run<C: RayCaster>(self, build: impl Fn(&Geometry) -> Result<C, RaycastError>) -> Result<(), CliError> {
         let Self { args, scene } = self;
-        let options = RenderOptions { forces: args.force.forces()?, ..RenderOptions::of(&scene, args.seed) };
-        let mut renderer = Renderer::new(scene, options, build)?;
-        renderer.warnings().iter().for_each(|warning| say(&format!("warning: {warning}")));
+        let mut renderer = args.force.renderer(scene, args.seed, build)?;
         let count = renderer.scene().materials.len();
         let materials = (0..count).map(|index| material(&renderer, index)).collect();
         let lights = renderer.scene().lights.iter().map(LightReport::new).collect();

@@ -20,3 +20,8 @@ pub fn print_line(line: &str) -> Result<(), CliError> {
 pub fn say(line: &str) {
     let _ = writeln!(io::stderr(), "{}", printable(line));
 }
+
+/// Writes what is strange to standard error.
+pub fn warn(warnings: &[String]) {
+    warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
+}

@@ -4,10 +4,13 @@ use std::path::Path;
 
 use clap::Args;
 
+use super::console::warn;
 use super::error::CliError;
 use crate::plan::fold::fold;
 use crate::plan::{EffectKind, Forces};
+use crate::raycast::{Geometry, RayCaster, RaycastError};
 use crate::scene::{Scene, read_scene_with};
+use crate::transport::{RenderOptions, Renderer};
 
 /// Effects that are switched on or off.
 #[derive(Args)]
@@ -33,13 +36,28 @@ impl ForceArgs {
         }
     }
 
-    /// Reads a scene without what no effect that is on needs.
+    /// Reads a scene without what no effect that is on needs, and says what is strange about it.
     pub fn read_scene(&self, path: &Path) -> Result<Scene, CliError> {
         let forces = self.forces()?;
-        read_scene_with(path, |scene| {
+        let scene = read_scene_with(path, |scene| {
             fold(scene);
-            Ok(forces.apply(scene)?)
-        })
+            Ok::<_, CliError>(forces.apply(scene)?)
+        })?;
+        warn(&scene.warnings);
+        Ok(scene)
+    }
+
+    /// Makes `scene` ready to be sampled, and says what is strange about it then.
+    pub fn renderer<C: RayCaster>(
+        &self,
+        scene: Scene,
+        seed: u64,
+        build: impl FnOnce(&Geometry) -> Result<C, RaycastError>,
+    ) -> Result<Renderer<C>, CliError> {
+        let options = RenderOptions { forces: self.forces()?, ..RenderOptions::of(&scene, seed) };
+        let renderer = Renderer::new(scene, options, build)?;
+        warn(&renderer.warnings());
+        Ok(renderer)
     }
 }
 

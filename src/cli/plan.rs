@@ -6,7 +6,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::choice::SubsurfaceArgs;
-use super::console::{print_line, say};
+use super::console::print_line;
 use super::error::CliError;
 use super::force::ForceArgs;
 use crate::plan::effects::Effect;
@@ -35,7 +35,6 @@ pub struct PlanArgs {
 pub fn run(args: &PlanArgs) -> Result<(), CliError> {
     let forces = args.force.forces()?;
     let mut scene = args.force.read_scene(&args.scene)?;
-    scene.warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
     scene.film.height = args.height.unwrap_or(scene.film.height);
     args.subsurface.override_in(&mut scene.subsurface);
     let request = Request { forces, ..Request::from(&scene.subsurface) };

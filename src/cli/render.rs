@@ -25,7 +25,7 @@ use crate::film::schedule::{Limits, Status};
 use crate::film::{Film, exr, png};
 use crate::raycast::{Backend, Geometry, RayCaster, RaycastError};
 use crate::scene::{Light, Scene};
-use crate::transport::{Counters, RenderOptions, Renderer};
+use crate::transport::{Counters, Renderer};
 
 /// Samples of each part of the power balance: a few per cent of noise, for less than a second.
 const POWER_SAMPLES: u64 = 1024;
@@ -93,7 +93,6 @@ pub fn run(args: &RenderArgs) -> Result<(), CliError> {
     }
     args.threads.start()?;
     let scene = scene_with_overrides(args)?;
-    scene.warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
     run_on(args.backend, Render { args, scene })
 }
 
@@ -105,10 +104,8 @@ struct Render<'a> {
 impl RayWork for Render<'_> {
     fn run<C: RayCaster>(self, build: impl Fn(&Geometry) -> Result<C, RaycastError>) -> Result<(), CliError> {
         let Self { args, scene } = self;
-        let options = RenderOptions { forces: args.force.forces()?, ..RenderOptions::of(&scene, args.seed) };
         let film = Film::new(scene.film.width, scene.film.height)?;
-        let mut renderer = Renderer::new(scene, options, build)?;
-        renderer.warnings().iter().for_each(|warning| say(&format!("warning: {warning}")));
+        let mut renderer = args.force.renderer(scene, args.seed, build)?;
         render_and_save(args, &mut renderer, film)
     }
 }

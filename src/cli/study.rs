@@ -7,7 +7,7 @@ use clap::Args;
 use super::backend::{RayWork, run_on};
 use super::bar::Bar;
 use super::choice::positive;
-use super::console::{print_line, say};
+use super::console::{print_line, say, warn};
 use super::error::CliError;
 use super::force::ForceArgs;
 use super::progress::time_left;
@@ -88,7 +88,6 @@ pub fn run(args: &StudyArgs) -> Result<(), CliError> {
     };
     args.force.refuse_methods()?;
     let mut scene = args.force.read_scene(&args.scene)?;
-    scene.warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
     (scene.film.width, scene.film.height) = size(args, &scene);
     let settings = Settings {
         version: env!("CARGO_PKG_VERSION").into(),
@@ -181,7 +180,7 @@ fn report_on(
         store.write(&name, svg.as_bytes())?;
     }
     store.write("report.html", html.as_bytes())?;
-    results.warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
+    warn(&results.warnings);
     if args.json {
         return print_line(&json.to_string());
     }
