@@ -63,7 +63,7 @@ fn push_children(node: &Node, point: Vec3, radius_squared: f32, room: &mut [Entr
     count
 }
 
-/// Squares of the distances of a point from the boxes of a node; infinite where there is none.
+/// Squares of the distances of a point from the boxes of a node. What is said of one that is not there does not matter: nothing is in it.
 #[inline(always)]
 fn squared_distances(node: &Node, point: Vec3) -> [f32; WIDTH] {
     let mut squares = [0.0_f32; WIDTH];
