@@ -106,10 +106,14 @@ fn embree_is_refused_where_it_is_not_built_in() {
 }
 
 #[test]
-fn what_is_not_there_yet_is_refused() {
+fn the_kernel_is_that_of_the_mode() {
     let folder = folder();
-    fs::write(folder.path("spectral.toml"), format!("{SCENE}[render]\nmode = \"spectral\"\n")).unwrap();
-    folder.refuses(&["render", "spectral.toml", "-o", "a.exr"], 2, "auto, rgb");
+    for (mode, kernel) in [("spectral", "spectral"), ("rgb", "subsurface"), ("auto", "subsurface")] {
+        let scene = format!("{SCENE}[render]\nmode = \"{mode}\"\n");
+        fs::write(folder.path("mode.toml"), scene).unwrap();
+        let arguments = ["render", "mode.toml", "-o", "a.exr", "--spp", "1", "--method", "bssrdf", "--json"];
+        assert_eq!(folder.run(&arguments).report()["kernel"], kernel, "{mode}");
+    }
 }
 
 #[test]

@@ -184,13 +184,58 @@ fn what_is_forced_is_rendered_and_kept_in_the_picture() {
     assert_ne!(plain, diffuse);
 }
 
+/// The plan of the scene with a sphere of glass, in a mode, with what is forced.
+fn spectral_plan(glass: &str, mode: &str, forces: &[&str]) -> serde_json::Value {
+    let ball = "[[object]]\nname = \"ball\"\nshape = \"sphere\"\ncenter = [3, 0, 0]\nradius = 1\nmaterial = \"glass\"\n";
+    let more =
+        format!("{ball}[material.glass]\ntype = \"dielectric\"\n{glass}\n[render]\nmode = \"{mode}\"\n");
+    forced(&folder(&more), forces)
+}
+
+#[test]
+fn light_goes_by_wavelength_where_something_calls_for_it() {
+    const ABBE: &str = "material `glass` of object `ball` has Abbe number 30";
+    let none = "no clear body has a dispersion";
+    for (glass, mode, forces, spectral, dispersion) in [
+        ("", "auto", &[][..], (false, "nothing depends on the wavelength"), (false, none)),
+        ("", "spectral", &[], (true, "`mode = \"spectral\"`"), (false, none)),
+        ("", "auto", &["spectral=on"], (true, "switched on; nothing depends"), (false, none)),
+        ("abbe = 30", "auto", &[], (true, ABBE), (true, ABBE)),
+        ("abbe = 30", "spectral", &[], (true, "`mode = \"spectral\"`"), (true, ABBE)),
+        (
+            "abbe = 30",
+            "rgb",
+            &[],
+            (false, "`mode = \"rgb\"` excludes it"),
+            (false, "red, green and blue refract alike"),
+        ),
+        ("abbe = 30", "rgb", &["dispersion=on"], (true, "switched on"), (true, ABBE)),
+        ("abbe = 30", "rgb", &["spectral=on"], (true, "switched on"), (true, ABBE)),
+        ("abbe = 30", "spectral", &["spectral=off"], (false, "switched off"), (false, "refract alike")),
+        ("abbe = 30", "auto", &["dispersion=off"], (false, "nothing depends"), (false, "switched off")),
+        ("abbe = 30", "auto", &["refraction=off"], (false, "nothing depends"), (false, none)),
+        ("abbe = 30\nior = 1", "auto", &[], (false, "nothing depends"), (false, none)),
+    ] {
+        let plan = spectral_plan(glass, mode, forces);
+        for (name, (on, reason)) in [("spectral", spectral), ("dispersion", dispersion)] {
+            let effect = effect(&plan, name);
+            assert_eq!(effect["on"], on, "{glass} {mode} {forces:?}: {effect}");
+            assert!(
+                effect["reason"].as_str().unwrap().contains(reason),
+                "{glass} {mode} {forces:?}: {effect}"
+            );
+        }
+        assert_eq!(plan["kernel"] == "spectral", spectral.0, "{glass} {mode} {forces:?}");
+    }
+}
+
 #[test]
 fn wishes_that_cannot_be_met_are_refused() {
     let folder = folder("");
     for (forces, part) in [
         (vec!["lens=on"], "give the camera an `aperture`"),
         (vec!["lights-without-size=on"], "add a light of type \"point\""),
-        (vec!["dispersion=on"], "dispersion is not rendered"),
+        (vec!["dispersion=on"], "give a clear material an `abbe` number"),
         (vec!["glow=on"], "there is no effect \"glow\"; the effects are subsurface-scattering,"),
         (vec!["lens"], "lens=off"),
         (vec!["lens=maybe"], "not \"maybe\""),
@@ -200,6 +245,8 @@ fn wishes_that_cannot_be_met_are_refused() {
         ),
         (vec!["random-walk=on", "area-integral=on"], "contradict each other"),
         (vec!["random-walk=on", "subsurface-scattering=off"], "contradict each other"),
+        (vec!["dispersion=on", "spectral=off"], "contradict each other"),
+        (vec!["dispersion=on", "refraction=off"], "contradict each other"),
     ] {
         let forces: Vec<&str> = forces.into_iter().flat_map(|force| ["--force", force]).collect();
         folder.refuses(&[&["plan", "scene.toml"], forces.as_slice()].concat(), 2, part);

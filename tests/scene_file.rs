@@ -345,8 +345,13 @@ fn coefficients_in_the_wrong_unit_are_noticed() {
 
 #[test]
 fn dispersion_that_is_not_rendered_is_said() {
-    for (material, said) in [("ior = 1.5\nabbe = 58", true), ("ior = 1.5", false)] {
-        let material = format!("[material.m]\ntype = 'dielectric'\n{material}\n");
+    for (material, mode, said) in [
+        ("ior = 1.5\nabbe = 58", "rgb", true),
+        ("ior = 1.5", "rgb", false),
+        ("ior = 1.5\nabbe = 58", "auto", false),
+        ("ior = 1.5\nabbe = 58", "spectral", false),
+    ] {
+        let material = format!("[material.m]\ntype = 'dielectric'\n{material}\n[render]\nmode = '{mode}'\n");
         let warnings = read(&[SPHERE, &material, LIGHT, CAMERA].concat()).expect("a scene").warnings;
         assert_eq!(warnings.concat().contains("`m`: rendered without dispersion"), said, "{warnings:?}");
     }

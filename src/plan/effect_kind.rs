@@ -29,6 +29,8 @@ pub enum EffectKind {
     NormalMaps,
     /// Surfaces that are there in part only.
     PartialCoverage,
+    /// Light by wavelength, not by red, green and blue.
+    Spectral,
     /// Indices of refraction that depend on the wavelength.
     Dispersion,
     /// Bodies inside of others.
@@ -47,7 +49,7 @@ pub enum EffectKind {
 
 impl EffectKind {
     /// All of them, in the order of reports.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::SubsurfaceScattering,
         Self::AreaIntegral,
         Self::RandomWalk,
@@ -60,6 +62,7 @@ impl EffectKind {
         Self::Textures,
         Self::NormalMaps,
         Self::PartialCoverage,
+        Self::Spectral,
         Self::Dispersion,
         Self::NestedMedia,
         Self::AreaLights,
@@ -84,6 +87,7 @@ impl EffectKind {
             Self::Textures => "textures",
             Self::NormalMaps => "normal maps",
             Self::PartialCoverage => "partial coverage",
+            Self::Spectral => "spectral",
             Self::Dispersion => "dispersion",
             Self::NestedMedia => "nested media",
             Self::AreaLights => "area lights",
@@ -118,10 +122,10 @@ impl EffectKind {
             Self::Refraction | Self::Absorption | Self::NestedMedia => Abilities::INTERIORS,
             Self::TexturedCoefficients | Self::Textures | Self::NormalMaps => Abilities::TEXTURES,
             Self::PartialCoverage => Abilities::COVERAGE.and(Abilities::TEXTURES),
+            Self::Spectral | Self::Dispersion => Abilities::SPECTRAL,
             Self::RoughSurfaces
             | Self::AnisotropicScattering
             | Self::ColoursOfMeanFreePaths
-            | Self::Dispersion
             | Self::AreaLights
             | Self::LightsWithoutSize
             | Self::Environment

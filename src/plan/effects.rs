@@ -8,6 +8,7 @@ use glam::Vec3;
 use super::PlannedObject;
 use super::effect_kind::EffectKind;
 use super::force::Forces;
+use super::spectral::{not_spectral, spectral};
 use crate::optics::is_smooth;
 use crate::scene::material::Coverage;
 use crate::scene::{Environment, Instance, Light, Material, Method, ScatteringInput, Scene, Surface};
@@ -34,8 +35,8 @@ enum Caller {
     Scene(fn(&Scene) -> Option<String>, &'static str),
 }
 
-/// What calls for an effect.
-fn caller(kind: EffectKind) -> Caller {
+/// What calls for an effect in `scene`.
+fn caller(kind: EffectKind, scene: &Scene) -> Caller {
     use Caller::{Material, Method as OfMethod, Scene};
     match kind {
         EffectKind::SubsurfaceScattering => Material(scattering, "no material scatters inside"),
@@ -54,7 +55,8 @@ fn caller(kind: EffectKind) -> Caller {
         EffectKind::Textures => Material(textures, "no material has a texture"),
         EffectKind::NormalMaps => Material(normal_map, "no material has a normal map"),
         EffectKind::PartialCoverage => Material(coverage, "every surface is there everywhere"),
-        EffectKind::Dispersion => Material(dispersion, "no material has an Abbe number"),
+        EffectKind::Spectral => Scene(spectral, not_spectral(scene)),
+        EffectKind::Dispersion => Material(dispersion, "no clear body has a dispersion"),
         EffectKind::NestedMedia => {
             Scene(nested_media, "no two bodies that light enters are close to each other")
         }
@@ -68,8 +70,10 @@ fn caller(kind: EffectKind) -> Caller {
 
 /// All effects there are, each on or off in `scene`, folded, whose translucent bodies are rendered as `objects` says.
 pub fn effects(scene: &Scene, objects: &[PlannedObject], forces: &Forces) -> Vec<Effect> {
+    let is_spectral = !forces.is_off(EffectKind::Spectral)
+        && (forces.is_on(EffectKind::Spectral) || spectral(scene).is_some());
     let effect = |kind| {
-        let (cause, without) = match caller(kind) {
+        let (cause, without) = match caller(kind, scene) {
             Caller::Material(cause, without) => (users(scene, cause), without),
             Caller::Method(method, without) => (rendered_by(objects, method), without),
             Caller::Scene(cause, without) => (cause(scene), without),
@@ -80,8 +84,8 @@ pub fn effects(scene: &Scene, objects: &[PlannedObject], forces: &Forces) -> Vec
             false if forces.is_on(kind) => {
                 Effect { kind, on: true, reason: format!("switched on; {reason}") }
             }
-            true if kind == EffectKind::Dispersion => {
-                Effect { kind, on: false, reason: format!("{reason}, but it is not rendered") }
+            true if kind == EffectKind::Dispersion && !is_spectral => {
+                Effect { kind, on: false, reason: format!("{reason}, but red, green and blue refract alike") }
             }
             on => Effect { kind, on, reason },
         }
@@ -90,7 +94,7 @@ pub fn effects(scene: &Scene, objects: &[PlannedObject], forces: &Forces) -> Vec
 }
 
 /// The placed materials that have `cause`.
-fn users(scene: &Scene, cause: Cause) -> Option<String> {
+pub(super) fn users(scene: &Scene, cause: Cause) -> Option<String> {
     first_of(scene.instances.iter().filter_map(|placed| {
         let is_there = !scene.meshes[placed.mesh].triangles.is_empty();
         let material = &scene.materials[placed.material];
@@ -207,10 +211,10 @@ fn coverage(material: &Material) -> Option<String> {
     }
 }
 
-fn dispersion(material: &Material) -> Option<String> {
+pub(super) fn dispersion(material: &Material) -> Option<String> {
     let abbe = match &material.surface {
         Surface::Dielectric { abbe, .. } => *abbe,
-        Surface::MetallicRoughness(m) => m.abbe,
+        Surface::MetallicRoughness(m) if material.surface.is_clear_body() => m.abbe,
         _ => None,
     };
     abbe.map(|abbe| format!("has Abbe number {abbe}"))

@@ -24,11 +24,6 @@ pub enum ForceError {
         /// What would help.
         remedy: &'static str,
     },
-    /// It is never rendered.
-    #[error(
-        "`dispersion=on`: dispersion is not rendered in this version: light has three channels, not wavelengths; drop it"
-    )]
-    NotRendered,
     /// Bodies are where they are.
     #[error("`nested-media=off`: {0}; move the bodies apart, or leave one out of the scene")]
     Placed(String),
@@ -43,16 +38,18 @@ pub struct Forces {
 }
 
 /// Wishes that exclude each other, beside an effect on and off.
-const CONTRADICTIONS: [[(EffectKind, bool); 2]; 5] = [
+const CONTRADICTIONS: [[(EffectKind, bool); 2]; 7] = [
     [(EffectKind::AreaIntegral, true), (EffectKind::RandomWalk, true)],
     [(EffectKind::AreaIntegral, true), (EffectKind::SubsurfaceScattering, false)],
     [(EffectKind::RandomWalk, true), (EffectKind::SubsurfaceScattering, false)],
     [(EffectKind::NormalMaps, true), (EffectKind::Textures, false)],
     [(EffectKind::TexturedCoefficients, true), (EffectKind::Textures, false)],
+    [(EffectKind::Dispersion, true), (EffectKind::Spectral, false)],
+    [(EffectKind::Dispersion, true), (EffectKind::Refraction, false)],
 ];
 
 impl Forces {
-    /// Each effect switched as said.
+    /// Each effect switched as said; dispersion brings wavelengths with it.
     ///
     /// # Errors
     /// Wishes that contradict each other.
@@ -66,6 +63,9 @@ impl Forces {
             if forces.has(first) && forces.has(second) {
                 return Err(ForceError::Contradiction(typed(first), typed(second)));
             }
+        }
+        if forces.is_on(EffectKind::Dispersion) {
+            forces.on |= 1 << EffectKind::Spectral as u32;
         }
         Ok(forces)
     }
@@ -105,11 +105,11 @@ impl Forces {
     }
 
     fn check(&self, scene: &Scene) -> Result<(), ForceError> {
-        let found = effects(scene, &[], &Self::default());
+        // Whether there is any dispersion is seen by wavelength.
+        let found = effects(scene, &[], &Self { on: 1 << EffectKind::Spectral as u32, off: 0 });
         let of = |kind: EffectKind| &found[kind as usize];
         for kind in EffectKind::ALL.into_iter().filter(|&kind| self.is_on(kind)) {
             let called_for = match kind {
-                EffectKind::Dispersion => return Err(ForceError::NotRendered),
                 EffectKind::AreaIntegral | EffectKind::RandomWalk => of(EffectKind::SubsurfaceScattering),
                 _ => of(kind),
             };
@@ -141,6 +141,9 @@ fn remedy(kind: EffectKind) -> Option<&'static str> {
         EffectKind::RoughSurfaces => "give a material a `roughness`",
         EffectKind::AnisotropicScattering => "give a translucent material a mean cosine `g`",
         EffectKind::ColoursOfMeanFreePaths => "give a translucent material a mean free path for each channel",
+        EffectKind::Dispersion => {
+            "give a clear material an `abbe` number, or `cauchy` or `sellmeier` coefficients"
+        }
         EffectKind::AreaLights => "add a light that has a size, or a material with `emission`",
         EffectKind::LightsWithoutSize => "add a light of type \"point\", \"spot\" or \"directional\"",
         EffectKind::Environment => "add an [environment]",
@@ -152,7 +155,7 @@ fn remedy(kind: EffectKind) -> Option<&'static str> {
         | EffectKind::Textures
         | EffectKind::NormalMaps
         | EffectKind::PartialCoverage
-        | EffectKind::Dispersion
+        | EffectKind::Spectral
         | EffectKind::NestedMedia => return None,
     })
 }

@@ -19,8 +19,10 @@ impl Abilities {
     pub const SUBSURFACE: Self = Self(1 << 3);
     /// Walks inside of bodies that scatter.
     pub const WALKS: Self = Self(1 << 4);
+    /// Light by wavelength.
+    pub const SPECTRAL: Self = Self(1 << 5);
     /// Everything.
-    pub const ALL: Self = Self((1 << 5) - 1);
+    pub const ALL: Self = Self((1 << 6) - 1);
 
     /// What this build has code for: everything, but for measurements of what the presence of code costs (`scripts/cost_of_absence.sh`).
     pub const COMPILED: Self = if cfg!(alabaster_without = "subsurface") {
@@ -57,7 +59,7 @@ impl Abilities {
     }
 }
 
-/// A kernel. All give the same bits for a scene that they can render; the fewer abilities, the faster.
+/// A kernel. All that suit a scene give the same bits; the fewer abilities, the faster.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Kernel {
     /// Opaque surfaces of constant colours.
@@ -70,20 +72,23 @@ pub enum Kernel {
     Subsurface,
     /// The same with textures.
     TexturedSubsurface,
-    /// All there is. Walks are always its: they cost so much themselves that a kernel for them alone gains half a per cent.
+    /// All there is by red, green and blue. Walks are always its: they cost so much themselves that a kernel for them alone gains half a per cent.
     #[default]
     Generic,
+    /// The same by wavelength.
+    Spectral,
 }
 
 impl Kernel {
     /// From few abilities to many: of two that suit, the first is the faster.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Surfaces,
         Self::Textures,
         Self::Glass,
         Self::Subsurface,
         Self::TexturedSubsurface,
         Self::Generic,
+        Self::Spectral,
     ];
 
     /// Name in reports.
@@ -95,6 +100,7 @@ impl Kernel {
             Self::Subsurface => "subsurface",
             Self::TexturedSubsurface => "textured subsurface",
             Self::Generic => "generic",
+            Self::Spectral => "spectral",
         }
     }
 
@@ -107,14 +113,16 @@ impl Kernel {
             Self::Glass => Abilities::INTERIORS,
             Self::Subsurface => Abilities::SUBSURFACE,
             Self::TexturedSubsurface => Abilities::SUBSURFACE.and(TEXTURES),
-            Self::Generic => Abilities::ALL,
+            Self::Generic => Abilities::ALL.without(Abilities::SPECTRAL),
+            Self::Spectral => Abilities::ALL,
         };
         wanted.both(Abilities::COMPILED)
     }
 
-    /// True if it can render what needs `needed`.
+    /// True if it can render what needs `needed`: by wavelength only what is to be rendered so, which is another picture.
     pub fn suits(self, needed: Abilities) -> bool {
-        needed.are_in(self.abilities().bits())
+        let is_spectral = |abilities: Abilities| Abilities::SPECTRAL.are_in(abilities.bits());
+        needed.are_in(self.abilities().bits()) && is_spectral(needed) == is_spectral(self.abilities())
     }
 
     /// The smallest one that suits; `None` if this build has none.
@@ -139,9 +147,21 @@ mod tests {
             (A::SUBSURFACE.and(A::TEXTURES), Kernel::TexturedSubsurface),
             (A::WALKS.and(A::INTERIORS), Kernel::Generic),
             (A::SUBSURFACE.and(A::INTERIORS), Kernel::Generic),
-            (A::ALL, Kernel::Generic),
+            (A::ALL.without(A::SPECTRAL), Kernel::Generic),
+            (A::SPECTRAL, Kernel::Spectral),
+            (A::SPECTRAL.and(A::WALKS), Kernel::Spectral),
+            (A::ALL, Kernel::Spectral),
         ] {
             assert_eq!(Kernel::smallest(needed), Some(kernel), "{needed:?}");
+        }
+    }
+
+    #[test]
+    fn three_channels_and_wavelengths_do_not_mix() {
+        for kernel in Kernel::ALL {
+            let is_spectral = kernel == Kernel::Spectral;
+            assert_eq!(kernel.suits(Abilities::SPECTRAL), is_spectral, "{kernel:?}");
+            assert_eq!(kernel.suits(Abilities::NONE), !is_spectral, "{kernel:?}");
         }
     }
 

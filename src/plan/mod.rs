@@ -20,6 +20,7 @@ mod measured;
 mod needs;
 mod object;
 pub mod solid;
+mod spectral;
 pub mod without;
 
 pub use decision::Request;
@@ -70,8 +71,16 @@ impl Plan {
         let effects = effects(scene, &objects, &request.forces);
         let mut plan = Self { objects, effects, instances: scene.instances.len(), ..Self::default() };
         plan.needed = needed(scene, &plan.methods()).and(request.forces.abilities());
+        if plan.has(EffectKind::Spectral) {
+            plan.needed = plan.needed.and(Abilities::SPECTRAL);
+        }
         plan.kernel = Kernel::smallest(plan.needed).unwrap_or_default();
         plan
+    }
+
+    /// True if the effect is on.
+    pub fn has(&self, kind: EffectKind) -> bool {
+        self.effects.iter().any(|effect| effect.kind == kind && effect.on)
     }
 
     /// By instance: how light under the surface is computed; `None` where nothing is translucent.

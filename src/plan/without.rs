@@ -3,7 +3,7 @@
 use super::effect_kind::EffectKind;
 use crate::radiometry::Rgb;
 use crate::scene::material::Coverage;
-use crate::scene::{ColorInput, Light, Material, ScalarInput, ScatteringInput, Scene, Surface};
+use crate::scene::{ColorInput, ColorMode, Light, Material, ScalarInput, ScatteringInput, Scene, Surface};
 
 /// Leaves an effect out of `scene`. Those that are methods are the plan's to choose, and where bodies are is not changed.
 pub fn leave_out(scene: &mut Scene, kind: EffectKind) {
@@ -15,6 +15,7 @@ pub fn leave_out(scene: &mut Scene, kind: EffectKind) {
         EffectKind::LightsWithoutSize => scene.lights.retain(Light::has_size),
         EffectKind::Environment => scene.environment = None,
         EffectKind::Lens => scene.camera.aperture = 0.0,
+        EffectKind::Spectral => scene.render.color_mode = ColorMode::Rgb,
         EffectKind::IndirectLight => scene.render.max_depth = 1,
         EffectKind::SubsurfaceScattering
         | EffectKind::AreaIntegral

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::Vec3;
 
 use super::shape::horizontal_frame;
-use super::{Camera, Environment, Light, ScatteringInput, Scene, SceneError, Surface};
+use super::{Camera, ColorMode, Environment, Light, ScatteringInput, Scene, SceneError, Surface};
 use crate::radiometry::Rgb;
 
 /// Sets the camera, or frames the objects; adds soft light unless the scene `has_lights`; warns of
@@ -137,7 +137,7 @@ fn unit_hint(scene: &Scene, instance: usize) -> Option<String> {
     })
 }
 
-/// A warning if the material has a dispersion, which is read but not rendered.
+/// A warning if the material has a dispersion and is to be rendered without.
 fn dispersion_hint(scene: &Scene, instance: usize) -> Option<String> {
     let material = &scene.materials[scene.instances[instance].material];
     let abbe = match &material.surface {
@@ -145,8 +145,12 @@ fn dispersion_hint(scene: &Scene, instance: usize) -> Option<String> {
         Surface::MetallicRoughness(surface) => surface.abbe,
         _ => None,
     };
-    abbe.map(|_| {
-        format!("material `{}`: rendered without dispersion: all wavelengths refract alike", material.name)
+    let is_rgb = scene.render.color_mode == ColorMode::Rgb;
+    abbe.filter(|_| is_rgb).map(|_| {
+        format!(
+            "material `{}`: rendered without dispersion, since `mode = \"rgb\"`: all wavelengths refract alike",
+            material.name
+        )
     })
 }
 

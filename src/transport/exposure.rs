@@ -31,7 +31,7 @@ impl<C: RayCaster> Renderer<C> {
             Kernel::Glass => self.expose_by::<GLASS>(film, samples, stop, advance),
             Kernel::Subsurface => self.expose_by::<SUBSURFACE>(film, samples, stop, advance),
             Kernel::TexturedSubsurface => self.expose_by::<TEXTURED_SUBSURFACE>(film, samples, stop, advance),
-            Kernel::Generic => self.expose_by::<GENERIC>(film, samples, stop, advance),
+            Kernel::Generic | Kernel::Spectral => self.expose_by::<GENERIC>(film, samples, stop, advance),
         }
     }
 

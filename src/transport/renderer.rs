@@ -20,9 +20,7 @@ use crate::plan::{Abilities, ForceError, Forces, Kernel, Plan, Request};
 use crate::radiometry::Rgb;
 use crate::raycast::{Geometry, Hit, Ray, RayCaster, RaycastError};
 use crate::scene::camera::CameraRays;
-use crate::scene::{
-    ColorMode, Light, Method, ProfileChoice, ScatteringInput, Scene, SubsurfaceSettings, Surface,
-};
+use crate::scene::{Light, Method, ProfileChoice, ScatteringInput, Scene, SubsurfaceSettings, Surface};
 
 /// What a render can be asked for beyond the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,16 +82,6 @@ pub enum RenderError {
         "this program was built without code for what the scene needs; build it without `alabaster_without`"
     )]
     LeftOut,
-    /// The option is known but not available.
-    #[error("{option} \"{value}\" is not available in this version; available: {available}")]
-    Unavailable {
-        /// Name of the option.
-        option: &'static str,
-        /// Value asked for.
-        value: String,
-        /// What could be asked for instead.
-        available: &'static str,
-    },
 }
 
 /// Surfaces of clear bodies that one looks through for what is behind.
@@ -131,7 +119,6 @@ impl<C: RayCaster> Renderer<C> {
         options: RenderOptions,
         build: impl FnOnce(&Geometry) -> Result<C, RaycastError>,
     ) -> Result<Self, RenderError> {
-        check(&scene)?;
         // The plan is to know how long paths are to be, and may shorten them.
         scene.render.max_depth = options.max_depth;
         let plan = Plan::prepare(&mut scene, &Request::from(&options))?;
@@ -434,15 +421,4 @@ fn is_lit_inside<C: RayCaster>(world: &World<C>, instance: u32) -> bool {
     };
     points
         || (0..world.substances().len() as u32).any(|i| i != instance && emits(i) && meets(world.bounds(i)))
-}
-
-fn check(scene: &Scene) -> Result<(), RenderError> {
-    if scene.render.color_mode == ColorMode::Spectral {
-        return Err(RenderError::Unavailable {
-            option: "mode",
-            value: "spectral".into(),
-            available: "auto, rgb",
-        });
-    }
-    Ok(())
 }
