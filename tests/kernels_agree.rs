@@ -142,7 +142,7 @@ impl Dice {
             diffuse_transmission_color: self.color_input(textured),
             thin,
             sigma_a: self.color(),
-            abbe: None,
+            dispersion: None,
         }))
     }
 
@@ -152,7 +152,7 @@ impl Dice {
         }
         Surface::Dielectric {
             ior: 1.1 + 0.6 * self.number(),
-            abbe: None,
+            dispersion: None,
             roughness: if self.chance(0.5) {
                 self.scalar_input(textured)
             } else {

@@ -196,7 +196,7 @@ fn clear_bodies_vanish_in_uniform_light() {
         let material = Material {
             surface: Surface::Dielectric {
                 ior,
-                abbe: None,
+                dispersion: None,
                 roughness: ScalarInput::constant(roughness),
                 sigma_a: Rgb::ZERO,
                 tint: ColorInput::constant(Rgb::ONE),

@@ -21,7 +21,7 @@ fn glass() -> Material {
     Material {
         surface: Surface::Dielectric {
             ior: 1.5,
-            abbe: None,
+            dispersion: None,
             roughness: ScalarInput::constant(0.0),
             sigma_a: Rgb::ZERO,
             tint: ColorInput::constant(Rgb::ONE),

@@ -12,6 +12,7 @@ use std::fs;
 use std::path::Path;
 
 use alabaster::radiometry::Rgb;
+use alabaster::radiometry::spectrum::dispersion::Dispersion;
 use alabaster::scene::light::spot_solid_angle;
 use alabaster::scene::{
     ColorMode, Environment, Filter, Light, Method, ProfileChoice, ScatteringInput, Scene, SceneError,
@@ -193,10 +194,11 @@ fn a_medium_is_given_in_any_of_four_ways() {
 fn surfaces_of_every_type_are_read() {
     let glass =
         "type = 'dielectric'\nior = 1.52\nabbe = 58\nroughness = 0.1\nsigma_a = [1, 2, 3]\ntint = 0.9\n";
-    let Surface::Dielectric { ior, abbe, roughness, sigma_a, tint } = surface(glass) else {
+    let Surface::Dielectric { ior, dispersion, roughness, sigma_a, tint } = surface(glass) else {
         panic!("not a dielectric")
     };
-    assert_eq!((ior, abbe, roughness.factor, tint.factor), (1.52, Some(58.0), 0.1, Rgb::splat(0.9)));
+    let crown = Dispersion::from_abbe(1.52_f32.into(), 58.0).unwrap();
+    assert_eq!((ior, dispersion, roughness.factor, tint.factor), (1.52, Some(crown), 0.1, Rgb::splat(0.9)));
     assert_eq!(sigma_a, Rgb::new(1.0, 2.0, 3.0));
 
     let stained =
@@ -217,7 +219,8 @@ fn surfaces_of_every_type_are_read() {
     assert_eq!((gltf.metallic.factor, gltf.roughness.factor, gltf.ior), (0.4, 0.5, 1.6));
     assert_eq!((gltf.transmission.factor, gltf.diffuse_transmission.factor), (0.7, 0.2));
     assert_eq!(gltf.diffuse_transmission_color.factor, Rgb::new(1.0, 0.0, 0.0));
-    assert_eq!((gltf.thin, gltf.sigma_a, gltf.abbe), (false, Rgb::splat(4.0), Some(30.0)));
+    let flint = Dispersion::from_abbe(gltf.ior.into(), 30.0).unwrap();
+    assert_eq!((gltf.thin, gltf.sigma_a, gltf.dispersion), (false, Rgb::splat(4.0), Some(flint)));
     let Surface::MetallicRoughness(plain) = surface("type = 'gltf'\n") else {
         panic!("not metallic-roughness")
     };

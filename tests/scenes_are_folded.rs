@@ -137,7 +137,7 @@ fn metallic(metallic: f32) -> Material {
         diffuse_transmission_color: ColorInput::constant(Rgb::ONE),
         thin: false,
         sigma_a: Rgb::ONE,
-        abbe: None,
+        dispersion: None,
     }));
     Material { surface, ..Material::default() }
 }

@@ -212,12 +212,9 @@ fn coverage(material: &Material) -> Option<String> {
 }
 
 pub(super) fn dispersion(material: &Material) -> Option<String> {
-    let abbe = match &material.surface {
-        Surface::Dielectric { abbe, .. } => *abbe,
-        Surface::MetallicRoughness(m) if material.surface.is_clear_body() => m.abbe,
-        _ => None,
-    };
-    abbe.map(|abbe| format!("has Abbe number {abbe}"))
+    let dispersion = material.surface.dispersion()?;
+    // To two places, as data sheets have it.
+    Some(format!("has Abbe number {}", (100.0 * dispersion.abbe()).round() / 100.0))
 }
 
 /// True if light goes on inside.

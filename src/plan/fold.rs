@@ -1,6 +1,8 @@
 //! A scene reduced to what a picture can depend on: constants folded, and what nothing uses dropped.
 
 use crate::radiometry::Rgb;
+use crate::radiometry::spectrum::dispersion::Dispersion;
+use crate::radiometry::spectrum::{LONGEST, SHORTEST};
 use crate::scene::material::Coverage;
 use crate::scene::texture::Pixels;
 use crate::scene::{
@@ -136,6 +138,11 @@ fn folded_coverage(coverage: Coverage) -> Coverage {
 
 fn fold_surface(surface: &mut Surface) {
     match surface {
+        Surface::Dielectric { dispersion, .. } => fold_dispersion(dispersion),
+        Surface::MetallicRoughness(m) => fold_dispersion(&mut m.dispersion),
+        _ => {}
+    }
+    match surface {
         // Nothing but a metal has no base that could transmit.
         Surface::MetallicRoughness(m) if !m.metallic.varies() && m.metallic.factor >= 1.0 => {
             m.transmission = ScalarInput::constant(0.0);
@@ -149,7 +156,7 @@ fn fold_surface(surface: &mut Surface) {
         } if sigma_s.is_black() => {
             *surface = Surface::Dielectric {
                 ior: *ior,
-                abbe: None,
+                dispersion: None,
                 roughness: ScalarInput::constant(*roughness),
                 sigma_a: *sigma_a,
                 tint: ColorInput::constant(Rgb::ONE),
@@ -157,6 +164,11 @@ fn fold_surface(surface: &mut Surface) {
         }
         _ => {}
     }
+}
+
+/// An index that is the same from one end of the visible range to the other has no dispersion.
+fn fold_dispersion(dispersion: &mut Option<Dispersion>) {
+    *dispersion = dispersion.filter(|dispersion| dispersion.ior(SHORTEST) != dispersion.ior(LONGEST));
 }
 
 fn is_black(environment: &Environment) -> bool {

@@ -46,8 +46,8 @@ fn leave_out_of(material: &mut Material, kind: EffectKind) {
         EffectKind::NormalMaps => material.normal_map = None,
         EffectKind::PartialCoverage => material.coverage = Coverage::Full,
         EffectKind::Dispersion => match &mut material.surface {
-            Surface::Dielectric { abbe, .. } => *abbe = None,
-            Surface::MetallicRoughness(m) => m.abbe = None,
+            Surface::Dielectric { dispersion, .. } => *dispersion = None,
+            Surface::MetallicRoughness(m) => m.dispersion = None,
             _ => {}
         },
         _ => {}
@@ -56,8 +56,11 @@ fn leave_out_of(material: &mut Material, kind: EffectKind) {
 
 fn make_indices_equal(surface: &mut Surface) {
     match surface {
-        Surface::Dielectric { ior, .. } | Surface::Translucent { ior, .. } => *ior = 1.0,
-        Surface::MetallicRoughness(m) if m.transmission.factor > 0.0 && !m.thin => m.ior = 1.0,
+        Surface::Dielectric { ior, dispersion, .. } => (*ior, *dispersion) = (1.0, None),
+        Surface::Translucent { ior, .. } => *ior = 1.0,
+        Surface::MetallicRoughness(m) if m.transmission.factor > 0.0 && !m.thin => {
+            (m.ior, m.dispersion) = (1.0, None);
+        }
         _ => {}
     }
 }

@@ -140,13 +140,8 @@ fn unit_hint(scene: &Scene, instance: usize) -> Option<String> {
 /// A warning if the material has a dispersion and is to be rendered without.
 fn dispersion_hint(scene: &Scene, instance: usize) -> Option<String> {
     let material = &scene.materials[scene.instances[instance].material];
-    let abbe = match &material.surface {
-        Surface::Dielectric { abbe, .. } => *abbe,
-        Surface::MetallicRoughness(surface) => surface.abbe,
-        _ => None,
-    };
     let is_rgb = scene.render.color_mode == ColorMode::Rgb;
-    abbe.filter(|_| is_rgb).map(|_| {
+    material.surface.dispersion().filter(|_| is_rgb).map(|_| {
         format!(
             "material `{}`: rendered without dispersion, since `mode = \"rgb\"`: all wavelengths refract alike",
             material.name

@@ -2,6 +2,7 @@
 
 use super::texture::{ColorInput, ScalarInput};
 use crate::radiometry::Rgb;
+use crate::radiometry::spectrum::dispersion::Dispersion;
 
 /// A material.
 #[derive(Clone, Debug, Default)]
@@ -143,10 +144,10 @@ pub enum Surface {
     MetallicRoughness(Box<MetallicRoughness>),
     /// A clear or absorbing dielectric body.
     Dielectric {
-        /// Index of refraction.
+        /// Index of refraction, at the line d where it depends on the wavelength.
         ior: f32,
-        /// Abbe number; `None`: no dispersion.
-        abbe: Option<f32>,
+        /// How it does; `None`: not at all.
+        dispersion: Option<Dispersion>,
         /// Perceptual roughness; GGX α = roughness².
         roughness: ScalarInput,
         /// Absorption coefficient inside, 1/m.
@@ -189,6 +190,15 @@ impl Surface {
         }
     }
 
+    /// How the index of a clear body depends on the wavelength; `None` if it does not, or light does not get in.
+    pub fn dispersion(&self) -> Option<&Dispersion> {
+        match self {
+            Self::Dielectric { dispersion, .. } => dispersion.as_ref(),
+            Self::MetallicRoughness(m) if self.is_clear_body() => m.dispersion.as_ref(),
+            _ => None,
+        }
+    }
+
     /// True if it sends light through into another medium and, diffusely, into the same one as well.
     pub fn is_mixed(&self) -> bool {
         match self {
@@ -228,7 +238,7 @@ pub struct MetallicRoughness {
     pub metallic: ScalarInput,
     /// Perceptual roughness; GGX α = roughness².
     pub roughness: ScalarInput,
-    /// Index of refraction of the dielectric part.
+    /// Index of refraction of the dielectric part, at the line d where it depends on the wavelength.
     pub ior: f32,
     /// Share of the dielectric base that transmits specularly.
     pub transmission: ScalarInput,
@@ -240,8 +250,8 @@ pub struct MetallicRoughness {
     pub thin: bool,
     /// Absorption coefficient inside, 1/m, where not thin.
     pub sigma_a: Rgb,
-    /// Abbe number; `None`: no dispersion.
-    pub abbe: Option<f32>,
+    /// How the index depends on the wavelength; `None`: not at all.
+    pub dispersion: Option<Dispersion>,
 }
 
 /// What scatters inside a translucent body.

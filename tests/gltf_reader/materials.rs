@@ -2,6 +2,7 @@
 
 use alabaster::radiometry::Rgb;
 use alabaster::radiometry::color::srgb_to_linear;
+use alabaster::radiometry::spectrum::dispersion::Dispersion;
 use alabaster::scene::material::{Coverage, MetallicRoughness};
 use alabaster::scene::texture::Wrap;
 use alabaster::scene::{GltfScene, ScatteringInput, Surface};
@@ -162,11 +163,12 @@ fn image_kinds_and_depths() {
 
 #[test]
 fn clear_bodies_become_dielectrics() {
+    let glass = Some(Dispersion::from_abbe(1.4_f32.into(), 40.0).unwrap());
     let mut material = translucent("KHR_materials_dispersion", json!({ "dispersion": 0.5 }));
     let read_surface = |material: &Value| read(material.clone()).scene.materials[0].surface.clone();
     match read_surface(&material) {
-        Surface::Dielectric { ior, abbe, roughness, sigma_a, tint } => {
-            assert_eq!((ior, abbe, roughness.factor, tint.factor), (1.4, Some(40.0), 0.25, Rgb::ONE));
+        Surface::Dielectric { ior, dispersion, roughness, sigma_a, tint } => {
+            assert_eq!((ior, dispersion, roughness.factor, tint.factor), (1.4, glass, 0.25, Rgb::ONE));
             // −ln c / d, one ulp for each of ln and the division.
             for (found, expected) in sigma_a.0.into_iter().zip([230.258_5, 69.314_72, 0.0]) {
                 assert!((found - expected).abs() <= 2.0 * f32::EPSILON * expected, "{found} {expected}");
@@ -178,7 +180,7 @@ fn clear_bodies_become_dielectrics() {
     match read_surface(&material) {
         Surface::MetallicRoughness(surface) => {
             assert_eq!((surface.transmission.factor, surface.thin), (0.5, false));
-            assert_eq!((surface.sigma_a[2], surface.abbe), (0.0, Some(40.0)));
+            assert_eq!((surface.sigma_a[2], surface.dispersion), (0.0, glass));
         }
         other => panic!("{other:?}"),
     }
@@ -189,6 +191,24 @@ fn clear_bodies_become_dielectrics() {
             assert_eq!((surface.transmission.factor, surface.thin), (1.0, true))
         }
         other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn dispersion_is_an_abbe_number_or_refused() {
+    let dispersive =
+        |dispersion: Value| translucent("KHR_materials_dispersion", json!({ "dispersion": dispersion }));
+    match read(dispersive(json!(0))).scene.materials[0].surface {
+        Surface::Dielectric { dispersion, .. } => assert_eq!(dispersion, None),
+        ref other => panic!("{other:?}"),
+    }
+    // So much that the index falls below 0 at long wavelengths.
+    for (dispersion, problem) in
+        [(json!(-1), "-1 means an Abbe number of -20"), (json!(100), "an index of refraction")]
+    {
+        let error = Builder::with_material(dispersive(dispersion)).read_error();
+        assert!(error.place.ends_with("KHR_materials_dispersion/dispersion"), "{error}");
+        assert!(error.problem.contains(problem), "{error}");
     }
 }
 

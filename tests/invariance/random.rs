@@ -139,7 +139,7 @@ impl Matter {
             },
             Self::Glass { ior, absorption } => Surface::Dielectric {
                 ior,
-                abbe: None,
+                dispersion: None,
                 roughness: ScalarInput::constant(0.0),
                 sigma_a: Rgb::new(0.2, 0.6, 1.0) * absorption,
                 tint: ColorInput::constant(Rgb::ONE),

@@ -6,11 +6,10 @@ use ::gltf::json::validation::Checked;
 use serde_json::{Map, Value};
 
 use super::Reader;
-use super::extensions::{
-    DiffuseTransmission, Dispersion, EmissiveStrength, Ior, Scatter, Transmission, Volume,
-};
+use super::extensions::{self, DiffuseTransmission, EmissiveStrength, Ior, Scatter, Transmission, Volume};
 use super::image::TextureReference;
 use super::volume::{ScatterDraft, extinction};
+use crate::radiometry::spectrum::dispersion::Dispersion;
 use crate::radiometry::{Rgb, Spectrum};
 use crate::scene::material::{Coverage, MetallicRoughness};
 use crate::scene::{ColorInput, Material, ScalarInput, SceneError, Surface};
@@ -21,7 +20,7 @@ const INFINITE_IOR: f32 = 1e6;
 /// The extensions of one material.
 pub(super) struct Extensions {
     pub ior: f32,
-    pub abbe: Option<f32>,
+    pub dispersion: Option<Dispersion>,
     pub transmission: Transmission,
     pub volume: Volume,
     pub diffuse_transmission: DiffuseTransmission,
@@ -86,9 +85,7 @@ impl Reader<'_> {
     ) -> Result<Extensions, SceneError> {
         let document = self.document;
         let Ior { ior } = document.extension(map, "KHR_materials_ior", place)?.unwrap_or_default();
-        let Dispersion { dispersion } =
-            document.extension(map, "KHR_materials_dispersion", place)?.unwrap_or_default();
-        let dispersion = self.finite(dispersion, place, "extensions/KHR_materials_dispersion/dispersion")?;
+        let ior = self.index_of_refraction(ior, place)?;
         let volume: Volume = document.extension(map, "KHR_materials_volume", place)?.unwrap_or_default();
         if volume.attenuation_distance <= 0.0 {
             return Err(document.error(
@@ -108,8 +105,8 @@ impl Reader<'_> {
                 .map(|scatter| (ScatterDraft::VolumeScatter, scatter)),
         };
         Ok(Extensions {
-            ior: self.index_of_refraction(ior, place)?,
-            abbe: (dispersion > 0.0).then(|| 20.0 / dispersion),
+            ior,
+            dispersion: self.dispersion(ior, map, place)?,
             transmission: document.extension(map, "KHR_materials_transmission", place)?.unwrap_or_default(),
             volume: Volume { attenuation_color: attenuation_color.0, ..volume },
             diffuse_transmission: document
@@ -117,6 +114,26 @@ impl Reader<'_> {
                 .unwrap_or_default(),
             scatter,
             unlit: map.is_some_and(|map| map.contains_key("KHR_materials_unlit")),
+        })
+    }
+
+    /// By the Abbe number 20/dispersion; 0: none.
+    fn dispersion(
+        &self,
+        ior: f32,
+        map: Option<&Map<String, Value>>,
+        place: &str,
+    ) -> Result<Option<Dispersion>, SceneError> {
+        let extension = self.document.extension(map, "KHR_materials_dispersion", place)?;
+        let extensions::Dispersion { dispersion } = extension.unwrap_or_default();
+        if dispersion == 0.0 {
+            return Ok(None);
+        }
+        let key = "extensions/KHR_materials_dispersion/dispersion";
+        let abbe = 20.0 / f64::from(self.finite(dispersion, place, key)?);
+        let found = Dispersion::from_abbe(f64::from(ior), abbe);
+        found.map(Some).map_err(|error| {
+            self.document.error(format!("{place}/{key}"), format!("{dispersion} means {error}; mend it"))
         })
     }
 
@@ -221,7 +238,7 @@ impl Reader<'_> {
         if solid && clear && is_zero(base.metallic) {
             return Ok(Surface::Dielectric {
                 ior: extensions.ior,
-                abbe: extensions.abbe,
+                dispersion: extensions.dispersion,
                 roughness: base.roughness,
                 sigma_a: extinction(&extensions.volume),
                 tint: base.color,
@@ -288,7 +305,7 @@ impl Reader<'_> {
             },
             thin: extensions.volume.thickness_factor <= 0.0,
             sigma_a: extinction(&extensions.volume),
-            abbe: extensions.abbe,
+            dispersion: extensions.dispersion,
         })))
     }
 

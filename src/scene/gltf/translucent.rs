@@ -105,7 +105,7 @@ impl Reader<'_> {
             self.warnings
                 .add("the roughness texture of a translucent material is ignored: its factor counts", place);
         }
-        if extensions.abbe.is_some() {
+        if extensions.dispersion.is_some() {
             self.warnings.add("the dispersion of a translucent material is ignored", place);
         }
         Surface::Translucent { ior: extensions.ior, roughness: base.roughness.factor, medium }

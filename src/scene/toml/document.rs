@@ -147,15 +147,22 @@ impl<'a> Value<'a> {
 
     /// A finite number.
     pub fn number(&self) -> Read<f32> {
+        let number = self.precise()? as f32;
+        if number.is_finite() { Ok(number) } else { Err(self.not_finite()) }
+    }
+
+    /// A finite number in double precision.
+    pub fn precise(&self) -> Read<f64> {
         let value = match self.value {
             DeValue::Integer(i) => i64::from_str_radix(i.as_str(), i.radix()).ok().map(|i| i as f64),
             DeValue::Float(f) => f.as_str().parse().ok(),
             _ => return Err(self.expected("a number")),
         };
-        value
-            .map(|x: f64| x as f32)
-            .filter(|x| x.is_finite())
-            .ok_or_else(|| self.error("must be a finite number"))
+        value.filter(|x: &f64| x.is_finite()).ok_or_else(|| self.not_finite())
+    }
+
+    fn not_finite(&self) -> SceneError {
+        self.error("must be a finite number")
     }
 
     /// A number greater than 0.
@@ -200,13 +207,22 @@ impl<'a> Value<'a> {
 
     /// Exactly `N` finite numbers.
     pub fn numbers<const N: usize>(&self) -> Read<[f32; N]> {
+        self.list(Self::number)
+    }
+
+    /// Exactly `N` finite numbers in double precision.
+    pub fn precise_numbers<const N: usize>(&self) -> Read<[f64; N]> {
+        self.list(Self::precise)
+    }
+
+    fn list<T: Copy + Default, const N: usize>(&self, read: impl Fn(&Self) -> Read<T>) -> Read<[T; N]> {
         let items = self.items().map_err(|_| self.expected(&format!("a list of {N} numbers")))?;
         if items.len() != N {
             return Err(self.error(format!("expected {N} numbers, found {}", items.len())));
         }
-        let mut numbers = [0.0; N];
+        let mut numbers = [T::default(); N];
         for (number, item) in numbers.iter_mut().zip(&items) {
-            *number = item.number()?;
+            *number = read(item)?;
         }
         Ok(numbers)
     }

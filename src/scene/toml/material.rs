@@ -1,6 +1,7 @@
 //! `[material.NAME]`.
 
 use super::document::{Read, Table, Value};
+use super::refraction::{REFRACTION_KEYS, refraction};
 use super::replacement::Inherits;
 use crate::medium::presets::measured_material;
 use crate::radiometry::Rgb;
@@ -63,7 +64,7 @@ fn only(table: &Table, keys: &[&str]) -> Read<()> {
 fn translucent(name: &str, table: &Table, warnings: &mut Vec<String>) -> Read<Surface> {
     let ways = MEDIUM_KEYS.concat();
     only(table, &[&["ior", "abbe", "roughness", "g"], ways.as_slice()].concat())?;
-    if abbe(table)?.is_some() {
+    if table.optional("abbe", Value::positive)?.is_some() {
         warnings.push(format!(
             "material `{name}`: `abbe` is ignored: translucent bodies are rendered without dispersion"
         ));
@@ -140,15 +141,14 @@ fn measured(table: &Table, g: f32) -> Read<(ScatteringInput, Option<f32>)> {
     Ok((ScatteringInput::Coefficients { sigma_a, sigma_s, g }, Some(preset.ior)))
 }
 
-/// Keys: `ior` (1.5), `abbe`, `roughness` (0), absorption (0), `tint` (1).
+/// Keys: those of [`refraction`], `roughness` (0), absorption (0), `tint` (1).
 fn dielectric(table: &Table) -> Read<Surface> {
-    only(
-        table,
-        &["ior", "abbe", "roughness", "sigma_a", "attenuation_color", "attenuation_distance", "tint"],
-    )?;
+    let keys = ["roughness", "sigma_a", "attenuation_color", "attenuation_distance", "tint"];
+    only(table, &[&REFRACTION_KEYS, keys.as_slice()].concat())?;
+    let (ior, dispersion) = refraction(table)?;
     Ok(Surface::Dielectric {
-        ior: table.optional("ior", Value::positive)?.unwrap_or(1.5),
-        abbe: abbe(table)?,
+        ior,
+        dispersion,
         roughness: scalar(table, "roughness", 0.0)?,
         sigma_a: absorption(table)?.unwrap_or(Rgb::ZERO),
         tint: table.optional("tint", color(Value::rgb_fraction))?.unwrap_or(ColorInput::constant(Rgb::ONE)),
@@ -167,34 +167,31 @@ fn metal(table: &Table) -> Read<Surface> {
     Ok(Surface::Metal { reflectance: reflectance(table, 0.9)?, roughness: scalar(table, "roughness", 0.0)? })
 }
 
-/// Keys and defaults as in glTF 2.0: `base_color` (1), `metallic` (1), `roughness` (1), `ior` (1.5),
-/// `transmission` (0), `diffuse_transmission` (0), `diffuse_transmission_color` (1), `abbe`,
+/// Keys and defaults as in glTF 2.0: `base_color` (1), `metallic` (1), `roughness` (1), those of [`refraction`],
+/// `transmission` (0), `diffuse_transmission` (0), `diffuse_transmission_color` (1),
 /// absorption (0), `thin` (true where no absorption is given).
 fn metallic_roughness(table: &Table) -> Read<Surface> {
-    only(
-        table,
-        &[
-            "base_color",
-            "metallic",
-            "roughness",
-            "ior",
-            "transmission",
-            "diffuse_transmission",
-            "diffuse_transmission_color",
-            "abbe",
-            "sigma_a",
-            "attenuation_color",
-            "attenuation_distance",
-            "thin",
-        ],
-    )?;
+    let keys = [
+        "base_color",
+        "metallic",
+        "roughness",
+        "transmission",
+        "diffuse_transmission",
+        "diffuse_transmission_color",
+        "sigma_a",
+        "attenuation_color",
+        "attenuation_distance",
+        "thin",
+    ];
+    only(table, &[&REFRACTION_KEYS, keys.as_slice()].concat())?;
+    let (ior, dispersion) = refraction(table)?;
     let white = ColorInput::constant(Rgb::ONE);
     let absorption = absorption(table)?;
     Ok(Surface::MetallicRoughness(Box::new(MetallicRoughness {
         base_color: table.optional("base_color", color(Value::rgb_fraction))?.unwrap_or(white),
         metallic: scalar(table, "metallic", 1.0)?,
         roughness: scalar(table, "roughness", 1.0)?,
-        ior: table.optional("ior", Value::positive)?.unwrap_or(1.5),
+        ior,
         transmission: scalar(table, "transmission", 0.0)?,
         diffuse_transmission: scalar(table, "diffuse_transmission", 0.0)?,
         diffuse_transmission_color: table
@@ -202,7 +199,7 @@ fn metallic_roughness(table: &Table) -> Read<Surface> {
             .unwrap_or(white),
         thin: table.optional("thin", Value::boolean)?.unwrap_or(absorption.is_none()),
         sigma_a: absorption.unwrap_or(Rgb::ZERO),
-        abbe: abbe(table)?,
+        dispersion,
     })))
 }
 
@@ -224,10 +221,6 @@ fn absorption(table: &Table) -> Read<Option<Rgb>> {
     } else {
         Err(table.error("`attenuation_distance` is too small"))
     }
-}
-
-fn abbe(table: &Table) -> Read<Option<f32>> {
-    table.optional("abbe", Value::positive)
 }
 
 fn reflectance(table: &Table, default: f32) -> Read<ColorInput> {

@@ -6,6 +6,7 @@ mod light;
 mod material;
 mod object;
 mod placement;
+mod refraction;
 mod replacement;
 mod settings;
 mod transform;
