@@ -87,7 +87,7 @@ fn scene(body: &str, [thickness, g, ior]: [f32; 3], albedo: f32, light: &str) ->
     let mut scene = furnace(mesh, Material { surface, ..white(ior, 0.0, Rgb::ONE) });
     if light == "lamp" {
         let center = Vec3::new(1.0, 4.0, 2.0);
-        scene.lights = vec![Light::Sphere { center, radius: 1.0, radiance: Rgb::splat(5.0) }];
+        scene.lights = vec![Light::Sphere { center, radius: 1.0, radiance: Rgb::splat(5.0).into() }];
     }
     scene
 }

@@ -74,8 +74,11 @@ fn scene(mesh: Mesh, [sigma_t, absorbed, g, ior]: [f32; 4]) -> Scene {
     };
     let surface = Surface::Translucent { ior, roughness: 0.0, medium };
     let mut scene = furnace(mesh, Material { surface, ..white(ior, 0.0, Rgb::ONE) });
-    scene.lights =
-        vec![Light::Sphere { center: Vec3::new(1.0, 4.0, 2.0), radius: 1.0, radiance: Rgb::splat(5.0) }];
+    scene.lights = vec![Light::Sphere {
+        center: Vec3::new(1.0, 4.0, 2.0),
+        radius: 1.0,
+        radiance: Rgb::splat(5.0).into(),
+    }];
     scene
 }
 

@@ -57,7 +57,7 @@ fn case(name: &'static str, mesh: Mesh, size: Vec3, ior: f32, medium: Scattering
 /// Three metres square, five or six away.
 fn light(center: Vec3) -> Light {
     let (u, v) = shape::horizontal_frame(-center.normalize());
-    Light::Quad { center, half_u: u * 1.5, half_v: v * 1.5, radiance: Rgb::splat(3.0) }
+    Light::Quad { center, half_u: u * 1.5, half_v: v * 1.5, radiance: Rgb::splat(3.0).into() }
 }
 
 fn torus(radius: f32, tube: f32) -> Mesh {

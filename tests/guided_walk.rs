@@ -35,8 +35,11 @@ fn absorbing(ior: f32, albedo: [f32; 3], sigma_t: f32, g: f32) -> Material {
 fn lit(mesh: Mesh, material: Material) -> Scene {
     let mut scene = furnace(mesh, material);
     scene.environment = Some(Environment::Constant(Rgb::splat(0.4)));
-    scene.lights =
-        vec![Light::Sphere { center: Vec3::new(1.0, 4.0, 2.0), radius: 1.5, radiance: Rgb::splat(3.0) }];
+    scene.lights = vec![Light::Sphere {
+        center: Vec3::new(1.0, 4.0, 2.0),
+        radius: 1.5,
+        radiance: Rgb::splat(3.0).into(),
+    }];
     scene
 }
 

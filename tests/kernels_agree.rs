@@ -194,16 +194,20 @@ impl Dice {
 
     fn lights(&mut self, scene: &mut Scene) {
         scene.environment = self.chance(0.7).then(|| Environment::Constant(self.color()));
-        scene.lights =
-            vec![Light::Sphere { center: Vec3::new(1.5, 3.0, 2.0), radius: 0.5, radiance: Rgb::splat(9.0) }];
+        scene.lights = vec![Light::Sphere {
+            center: Vec3::new(1.5, 3.0, 2.0),
+            radius: 0.5,
+            radiance: Rgb::splat(9.0).into(),
+        }];
         if self.chance(0.5) {
-            scene
-                .lights
-                .push(Light::Point { position: self.place() * 2.0 + Vec3::Y * 3.0, intensity: self.color() });
+            scene.lights.push(Light::Point {
+                position: self.place() * 2.0 + Vec3::Y * 3.0,
+                intensity: self.color().into(),
+            });
         }
         if self.chance(0.5) {
             let direction = (self.place() - Vec3::Y * 2.0).normalize();
-            scene.lights.push(Light::Directional { direction, irradiance: self.color() });
+            scene.lights.push(Light::Directional { direction, irradiance: self.color().into() });
         }
     }
 }

@@ -58,21 +58,23 @@ fn assert_irradiance(name: &str, scene: Scene, expected: f64) {
 
 #[test]
 fn each_light_gives_the_irradiance_of_its_geometry() {
-    let radiance = Rgb::splat(3.0);
+    let radiance = Rgb::splat(3.0).into();
     let height = 2.0;
     let above = Vec3::Y * height;
-    let point = Light::Point { position: above, intensity: Rgb::splat(7.0) };
+    let point = Light::Point { position: above, intensity: Rgb::splat(7.0).into() };
     assert_irradiance("point", floor(white(), vec![point]), 7.0 / 4.0);
-    let slanted = Light::Point { position: Vec3::new(2.0, 2.0, 0.0), intensity: Rgb::splat(7.0) };
+    let slanted = Light::Point { position: Vec3::new(2.0, 2.0, 0.0), intensity: Rgb::splat(7.0).into() };
     // I cosθ / d²
     assert_irradiance("slanted point", floor(white(), vec![slanted]), 7.0 / 8.0 / 2.0_f64.sqrt());
-    let sun =
-        Light::Directional { direction: Vec3::new(1.0, -1.0, 0.0).normalize(), irradiance: Rgb::splat(2.0) };
+    let sun = Light::Directional {
+        direction: Vec3::new(1.0, -1.0, 0.0).normalize(),
+        irradiance: Rgb::splat(2.0).into(),
+    };
     assert_irradiance("directional", floor(white(), vec![sun]), 2.0 / 2.0_f64.sqrt());
     let spot = |inner, outer| Light::Spot {
         position: above,
         direction: Vec3::NEG_Y,
-        intensity: Rgb::splat(7.0),
+        intensity: Rgb::splat(7.0).into(),
         inner_angle: inner,
         outer_angle: outer,
     };
@@ -91,7 +93,8 @@ fn each_light_gives_the_irradiance_of_its_geometry() {
     let away = Light::Quad { center: above, half_u: Vec3::Z, half_v: Vec3::X, radiance };
     assert_irradiance("quad from behind", floor(white(), vec![away]), 0.0);
     // Several lights add up, whichever is chosen how often.
-    let all = vec![quad, Light::Point { position: Vec3::new(2.0, 2.0, 0.0), intensity: Rgb::splat(7.0) }];
+    let all =
+        vec![quad, Light::Point { position: Vec3::new(2.0, 2.0, 0.0), intensity: Rgb::splat(7.0).into() }];
     let expected = 4.0 * 3.0 * x * x.atan() + 7.0 / 8.0 / 2.0_f64.sqrt();
     assert_irradiance("two lights", floor(white(), all), expected);
 }

@@ -230,6 +230,25 @@ fn light_goes_by_wavelength_where_something_calls_for_it() {
 }
 
 #[test]
+fn coloured_lamps_call_for_wavelengths_and_white_ones_do_not() {
+    let lamp = |law: &str, strength: &str| {
+        format!("[[light]]\ntype = \"point\"\nposition = [0, 4, 0]\nintensity = {strength}\n{law}\n")
+    };
+    for (law, strength, reason) in [
+        ("temperature = 2856", "1", "a light is a blackbody of 2856 K"),
+        ("illuminant = \"A\"", "1", "a light is illuminant A"),
+        ("illuminant = \"D65\"", "1", "nothing depends on the wavelength"),
+        ("", "[1, 0.5, 0.2]", "nothing depends on the wavelength"),
+        ("temperature = 2856", "0", "nothing depends on the wavelength"),
+    ] {
+        let plan = forced(&folder(&lamp(law, strength)), &[]);
+        let spectral = effect(&plan, "spectral");
+        assert_eq!(spectral["on"], reason.starts_with("a light"), "{law}: {spectral}");
+        assert!(spectral["reason"].as_str().unwrap().contains(reason), "{law}: {spectral}");
+    }
+}
+
+#[test]
 fn wishes_that_cannot_be_met_are_refused() {
     let folder = folder("");
     for (forces, part) in [

@@ -50,7 +50,7 @@ fn irradiance(renderer: &Renderer<Caster>, origin: Vec3, direction: Vec3, sample
 #[test]
 fn a_point_light_fills_every_sphere_around_it() {
     for radius in [0.25_f32, 1.0, 40.0] {
-        let light = Light::Point { position: Vec3::ZERO, intensity: Rgb::splat(3.0) };
+        let light = Light::Point { position: Vec3::ZERO, intensity: Rgb::splat(3.0).into() };
         let RadiantFlux(power) = light.power().unwrap();
         let expected: Irradiance =
             (RadiantFlux(f64::from(power[1])) / SolidAngle::SPHERE).irradiance(f64::from(radius), 1.0);
@@ -76,7 +76,7 @@ fn irradiance_falls_with_the_cosine() {
     for degrees in [0.0_f64, 30.0, 60.0, 85.0] {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let direction = Vec3::new(sin as f32, -cos as f32, 0.0);
-        let sun = Light::Directional { direction, irradiance: Rgb::splat(2.0) };
+        let sun = Light::Directional { direction, irradiance: Rgb::splat(2.0).into() };
         let floor = shape::quad(Vec3::ZERO, Vec3::Z * 5.0, Vec3::X * 5.0);
         let renderer = scattered_once(lit(floor, vec![sun]));
         let measured = irradiance(&renderer, Vec3::new(0.1, 3.0, 0.2), Vec3::NEG_Y, 1).mean();
@@ -97,7 +97,7 @@ fn irradiance_is_radiance_over_projected_solid_angle() {
         // Its normal u × v looks down.
         assert!(half_u.cross(half_v).y < 0.0);
         let radiance = Radiance(5.0);
-        let lamp = Light::Quad { center, half_u, half_v, radiance: Rgb::splat(5.0) };
+        let lamp = Light::Quad { center, half_u, half_v, radiance: Rgb::splat(5.0).into() };
         let corners = [half_u + half_v, half_u - half_v, -half_u - half_v, half_v - half_u];
         let corners = corners.map(|corner| (center + corner).as_dvec3());
         let extent = ProjectedSolidAngle::polygon(&corners, DVec3::ZERO, DVec3::Y);
@@ -116,7 +116,7 @@ fn irradiance_is_radiance_over_projected_solid_angle() {
 /// Two sensors on one ray, near and far, see the same: a lamp exactly, a lit surface with the same light in every sample.
 #[test]
 fn radiance_is_the_same_all_along_a_ray() {
-    let lamp = Light::Sphere { center: Vec3::Y * 2.0, radius: 0.5, radiance: Rgb::splat(4.0) };
+    let lamp = Light::Sphere { center: Vec3::Y * 2.0, radius: 0.5, radiance: Rgb::splat(4.0).into() };
     let floor = shape::quad(Vec3::ZERO, Vec3::Z * 5.0, Vec3::X * 5.0);
     let renderer = renderer(lit(floor, vec![lamp]));
     let mut counters = Counters::default();
@@ -163,7 +163,8 @@ fn orders_in_a_shining_room_are_powers_of_its_reflectance() {
 /// With light under surfaces too: the orders of one set of paths add up to the picture by another.
 #[test]
 fn orders_add_up_to_the_whole_picture() {
-    let lamp = Light::Sphere { center: Vec3::new(2.0, 3.0, 2.0), radius: 0.5, radiance: Rgb::splat(20.0) };
+    let lamp =
+        Light::Sphere { center: Vec3::new(2.0, 3.0, 2.0), radius: 0.5, radiance: Rgb::splat(20.0).into() };
     let mut scene = furnace(shape::sphere(Vec3::ZERO, 1.0, 4), body(1.5, 0.3, 0.05));
     scene.lights = vec![lamp];
     let mut renderer = renderer(scene);
@@ -193,8 +194,12 @@ fn all_directions_are_four_pi() {
 /// A lamp so far away that it is a point: I = L A cosθ, E = I/r².
 #[test]
 fn a_far_lamp_is_a_point_of_its_intensity() {
-    let lamp =
-        Light::Disk { center: Vec3::Y * 500.0, normal: Vec3::NEG_Y, radius: 1.0, radiance: Rgb::splat(9.0) };
+    let lamp = Light::Disk {
+        center: Vec3::Y * 500.0,
+        normal: Vec3::NEG_Y,
+        radius: 1.0,
+        radiance: Rgb::splat(9.0).into(),
+    };
     let intensity: RadiantIntensity = Radiance(9.0) * alabaster::radiometry::Area(PI).projected(1.0);
     let expected = intensity.irradiance(500.0, 1.0).0;
     let floor = shape::quad(Vec3::ZERO, Vec3::Z * 5.0, Vec3::X * 5.0);
@@ -231,7 +236,7 @@ fn what_a_lamp_emits_is_absorbed_or_leaves() {
         center: Vec3::Y,
         half_u: Vec3::X * 0.5,
         half_v: Vec3::Z * 0.5,
-        radiance: Rgb::new(1.0, 2.0, 4.0),
+        radiance: Rgb::new(1.0, 2.0, 4.0).into(),
     };
     let mut renderer = renderer(lit(shape::quad(Vec3::ZERO, Vec3::Z * 2.0, Vec3::X * 2.0), vec![lamp]));
     let balance = renderer.power_balance(120_000).unwrap();
@@ -250,14 +255,14 @@ fn what_a_lamp_emits_is_absorbed_or_leaves() {
 #[test]
 fn a_closed_room_keeps_its_light() {
     let mut scene = lit(shape::cuboid(Vec3::ZERO, Vec3::splat(4.0)), Vec::new());
-    scene.lights = vec![Light::Sphere { center: Vec3::X * 0.3, radius: 0.5, radiance: Rgb::ONE }];
+    scene.lights = vec![Light::Sphere { center: Vec3::X * 0.3, radius: 0.5, radiance: Rgb::ONE.into() }];
     let balance = renderer(scene).power_balance(20_000).unwrap();
     assert!(balance.sigmas() <= 3.0, "{balance:?}");
     assert_eq!((balance.escaped.value, balance.scattered_out.value), ([0.0; 3], [0.0; 3]));
     // The lamp's mesh is smaller than the sphere that its power is of, by 10⁻³.
     let (absorbed, sigma) = (balance.absorbed.value[0], balance.absorbed.stderr[0]);
     assert!((absorbed - PI * PI).abs() <= 3.0 * sigma + 2e-3 * PI * PI, "{balance:?}");
-    let point = Light::Point { position: Vec3::ZERO, intensity: Rgb::ONE };
+    let point = Light::Point { position: Vec3::ZERO, intensity: Rgb::ONE.into() };
     let with_point = lit(shape::cuboid(Vec3::ZERO, Vec3::splat(4.0)), vec![point]);
     assert_eq!(renderer(with_point).power_balance(10).unwrap_err(), Unbalanced::LightsWithoutSize);
 }

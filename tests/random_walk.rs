@@ -305,7 +305,7 @@ fn a_body_in_a_body_of_the_same_material_is_one_with_it() {
 fn lights_that_walks_cannot_find_are_told_of() {
     let with_light = |ior, roughness| {
         let mut scene = furnace(shape::sphere(Vec3::ZERO, 1.0, 3), white(ior, roughness, Rgb::ONE));
-        scene.lights = vec![Light::Point { position: Vec3::Y * 3.0, intensity: Rgb::ONE }];
+        scene.lights = vec![Light::Point { position: Vec3::Y * 3.0, intensity: Rgb::ONE.into() }];
         walker(scene).warnings()
     };
     assert!(with_light(1.5, 0.0)[0].contains("material \"white\": walks cannot find lights without size"));

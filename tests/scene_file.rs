@@ -15,8 +15,8 @@ use alabaster::radiometry::Rgb;
 use alabaster::radiometry::spectrum::dispersion::Dispersion;
 use alabaster::scene::light::spot_solid_angle;
 use alabaster::scene::{
-    ColorMode, Environment, Filter, Light, Method, ProfileChoice, ScatteringInput, Scene, SceneError,
-    Surface, read_scene,
+    ColorMode, Emitted, Environment, Filter, Light, Method, ProfileChoice, ScatteringInput, Scene,
+    SceneError, Surface, read_scene,
 };
 use assets::assets;
 use builder::Builder;
@@ -130,7 +130,7 @@ fn all_shapes_are_read() {
 fn lights_are_read_and_power_becomes_radiance_or_intensity() {
     let light = |text: &str| with(&format!("[[light]]\n{text}\n")).lights.remove(0);
     // A handful of roundings on either side.
-    let close = |a: Rgb, b: f32| a.0.iter().all(|x| (x / b - 1.0).abs() < 4.0 * f32::EPSILON);
+    let close = |a: Emitted, b: f32| a.rgb.0.iter().all(|x| (x / b - 1.0).abs() < 4.0 * f32::EPSILON);
     let pi = std::f32::consts::PI;
 
     let quad = light("type = 'quad'\nposition = [0, 4, 0]\ntarget = [0, 0, 0]\nsize = [3, 1]\npower = 6");
@@ -160,7 +160,7 @@ fn lights_are_read_and_power_becomes_radiance_or_intensity() {
 
     let sun = light("type = 'directional'\ndirection = [0, -3, 0]\nirradiance = [1, 2, 3]");
     let irradiance = Rgb::new(1.0, 2.0, 3.0);
-    assert_eq!(sun, Light::Directional { direction: Vec3::NEG_Y, irradiance });
+    assert_eq!(sun, Light::Directional { direction: Vec3::NEG_Y, irradiance: irradiance.into() });
 }
 
 #[test]

@@ -7,8 +7,10 @@ mod program;
 use std::fs;
 use std::path::Path;
 
+use alabaster::radiometry::Rgb;
 use alabaster::radiometry::spectrum::dispersion::Dispersion;
-use alabaster::scene::{Scene, SceneError, Surface, read_scene};
+use alabaster::radiometry::spectrum::lamp::Lamp;
+use alabaster::scene::{Light, Scene, SceneError, Source, Surface, read_scene};
 use program::Folder;
 
 const SPHERE: &str = "[[object]]\nshape = 'sphere'\ncenter = [0, 0, 0]\nradius = 1\nmaterial = 'm'\n";
@@ -92,6 +94,80 @@ fn what_is_no_glass_is_refused_by_name() {
         let error = read(&format!("[material.m]\ntype = 'dielectric'\n{keys}\n")).expect_err(keys);
         let place = format!("line {}, material.m{key}", LINES + line);
         assert!(error.place == place && error.problem.contains(problem), "{keys}: {error}");
+    }
+}
+
+fn lamp(keys: &str) -> Light {
+    read(&format!("[material.m]\ntype = 'diffuse'\n[[light]]\n{keys}\n")).expect(keys).lights.remove(0)
+}
+
+/// Every kind of light, and the key of its strength.
+const LIGHTS: [(&str, &str); 6] = [
+    ("type = 'quad'\nposition = [0, 4, 0]\ntarget = [0, 0, 0]\nsize = [3, 1]", "radiance"),
+    ("type = 'disk'\nposition = [0, 4, 0]\ntarget = [0, 0, 0]\nradius = 0.5", "radiance"),
+    ("type = 'sphere'\ncenter = [0, 4, 0]\nradius = 0.5", "radiance"),
+    ("type = 'point'\nposition = [0, 4, 0]", "intensity"),
+    ("type = 'spot'\nposition = [0, 4, 0]\ntarget = [0, 0, 0]\nangle = 40", "intensity"),
+    ("type = 'directional'\ndirection = [0, -1, 0]", "irradiance"),
+];
+
+#[test]
+fn every_kind_of_light_can_be_a_lamp() {
+    for (keys, strength) in LIGHTS {
+        let white = lamp(&format!("{keys}\n{strength} = 3"));
+        assert_eq!((white.emitted().rgb, white.emitted().source), (Rgb::splat(3.0), Source::Color));
+        for (law, expected) in [
+            ("temperature = 2856", Lamp::blackbody(2856.0)),
+            ("temperature = 1200.5", Lamp::blackbody(1200.5)),
+            ("illuminant = 'D50'", Lamp::illuminant("D50")),
+        ] {
+            let expected = expected.unwrap();
+            let light = lamp(&format!("{keys}\n{strength} = 3\n{law}"));
+            let emitted = light.emitted();
+            assert_eq!(emitted.source, Source::Lamp(expected), "{keys}");
+            // As bright as white: a rounding of each channel.
+            let luminance = emitted.luminance();
+            assert!((luminance - 3.0).abs() < 3.0 * f64::from(f32::EPSILON), "{keys} {law}: {luminance}");
+            assert_eq!(emitted.rgb, expected.rgb() * 3.0);
+            assert_eq!(emitted.source.relative_power(550.0), Some(expected.relative_power(550.0)));
+        }
+        if strength != "irradiance" {
+            let of_power = |law: &str| lamp(&format!("{keys}\npower = 7\n{law}"));
+            let (plain, warm) = (of_power(""), of_power("temperature = 2856"));
+            assert_eq!(warm.emitted().rgb, Lamp::blackbody(2856.0).unwrap().rgb() * plain.emitted().rgb[0]);
+        }
+    }
+}
+
+/// What is wrong with a light, its line after the first and its key, and part of the message.
+const NO_LAMP: [(&str, usize, &str, &str); 12] = [
+    (
+        "radiance = 1\ntemperature = 0",
+        4,
+        ".temperature",
+        "a temperature of 0 K; it must be finite and above 0",
+    ),
+    ("radiance = 1\ntemperature = -2856", 4, ".temperature", "a temperature of -2856 K"),
+    ("radiance = 1\ntemperature = inf", 4, ".temperature", "must be a finite number"),
+    ("radiance = 1\ntemperature = 1", 4, ".temperature", "a temperature of 1 K; a body shines visibly"),
+    ("radiance = 1\ntemperature = 1e300", 4, ".temperature", "a temperature of"),
+    ("radiance = 1\ntemperature = '6500'", 4, ".temperature", "expected a number"),
+    ("radiance = 1\nilluminant = 'D60'", 4, ".illuminant", "\"D60\" is no illuminant; known are A, D50"),
+    ("radiance = 1\nilluminant = 65", 4, ".illuminant", "expected text"),
+    ("radiance = [1, 1, 1]\nilluminant = 'A'", 3, ".radiance", "must be one number"),
+    ("power = [1, 1, 1]\ntemperature = 3000", 3, ".power", "must be one number"),
+    ("radiance = 1\ntemperature = 3000\nilluminant = 'A'", 5, ".illuminant", "excludes `temperature`"),
+    ("radiance = 3e38\ntemperature = 1000", 0, "", "brighter than can be computed"),
+];
+
+#[test]
+fn what_is_no_lamp_is_refused_by_name() {
+    for (keys, line, key, problem) in NO_LAMP {
+        let light = "[[light]]\ntype = 'sphere'\ncenter = [0, 4, 0]\nradius = 0.5\n";
+        let error = read(&format!("[material.m]\ntype = 'diffuse'\n{light}{keys}\n")).expect_err(keys);
+        let line = LINES + 2 + if line == 0 { 1 } else { line + 2 };
+        let place = format!("line {line}, light[0]{key}");
+        assert!(error.place == place && error.problem.contains(problem), "{keys}: {error}, not {place}");
     }
 }
 

@@ -28,8 +28,11 @@ fn colored(ior: f32, roughness: f32, albedo: [f32; 3], sigma_t: f32) -> Material
 fn lit(mesh: Mesh, material: Material) -> Scene {
     let mut scene = furnace(mesh, material);
     scene.environment = Some(Environment::Constant(Rgb::splat(0.3)));
-    scene.lights =
-        vec![Light::Sphere { center: Vec3::new(1.0, 4.0, 2.0), radius: 1.0, radiance: Rgb::splat(5.0) }];
+    scene.lights = vec![Light::Sphere {
+        center: Vec3::new(1.0, 4.0, 2.0),
+        radius: 1.0,
+        radiance: Rgb::splat(5.0).into(),
+    }];
     scene
 }
 
@@ -93,13 +96,16 @@ fn direct_light_is_drawn_for_what_scattered_in_a_sphere() {
     let mut scene = lit(shape::sphere(Vec3::ZERO, 1.0, 5), colored(1.0, 0.0, [1.0, 0.99, 0.9], 12.0));
     scene.environment = None;
     scene.lights = vec![
-        Light::Point { position: Vec3::new(1.0, 1.2, 0.3), intensity: Rgb::splat(3.0) },
-        Light::Directional { direction: Vec3::NEG_Y, irradiance: Rgb::ONE },
+        Light::Point { position: Vec3::new(1.0, 1.2, 0.3), intensity: Rgb::splat(3.0).into() },
+        Light::Directional { direction: Vec3::NEG_Y, irradiance: Rgb::ONE.into() },
     ];
     check("lights without size", &scene, 200_000, 0.01);
     // The same from inside, behind a surface that is not the body's.
-    scene.lights =
-        vec![Light::Sphere { center: Vec3::new(0.0, 0.2, 0.0), radius: 0.2, radiance: Rgb::splat(4.0) }];
+    scene.lights = vec![Light::Sphere {
+        center: Vec3::new(0.0, 0.2, 0.0),
+        radius: 0.2,
+        radiance: Rgb::splat(4.0).into(),
+    }];
     let [plain, spheres] = [plain_walker(scene.clone()), walker(scene)]
         .map(|renderer| trace(&renderer, 20_000, from_above(0.7)));
     assert_eq!(spheres.counters.sphere_steps, 0, "lit inside");

@@ -115,7 +115,7 @@ fn rendered_by(objects: &[PlannedObject], method: Method) -> Option<String> {
 }
 
 /// The first, and how many more there are.
-fn first_of(mut users: impl Iterator<Item = String>) -> Option<String> {
+pub(super) fn first_of(mut users: impl Iterator<Item = String>) -> Option<String> {
     let first = users.next()?;
     Some(match users.count() {
         0 => first,

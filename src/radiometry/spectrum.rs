@@ -4,6 +4,7 @@ pub mod blackbody;
 pub mod dispersion;
 pub mod hero;
 pub mod illuminant;
+pub mod lamp;
 pub mod medium_table;
 pub mod observer;
 pub mod table;

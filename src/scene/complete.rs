@@ -105,7 +105,7 @@ fn add_default_lights(scene: &mut Scene, bounds: &Bounds) {
         center: bounds.center() + toward * (4.0 * half_diagonal),
         half_u: u * half_diagonal,
         half_v: v * half_diagonal,
-        radiance: Rgb::splat(10.0),
+        radiance: Rgb::splat(10.0).into(),
     });
 }
 

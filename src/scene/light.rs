@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{Mat3, Vec3};
 
+use super::emitted::Emitted;
 use crate::radiometry::{
     Area, Irradiance, ProjectedSolidAngle, Radiance, RadiantFlux, RadiantIntensity, Rgb, SolidAngle,
 };
@@ -20,7 +21,7 @@ pub enum Light {
         /// Half of the second edge, orthogonal to the first, m.
         half_v: Vec3,
         /// Emitted radiance, W/(m² sr).
-        radiance: Rgb,
+        radiance: Emitted,
     },
     /// A disk that emits from the side of its normal; black and opaque behind.
     Disk {
@@ -31,7 +32,7 @@ pub enum Light {
         /// Radius, m.
         radius: f32,
         /// Emitted radiance, W/(m² sr).
-        radiance: Rgb,
+        radiance: Emitted,
     },
     /// A sphere that emits outwards.
     Sphere {
@@ -40,14 +41,14 @@ pub enum Light {
         /// Radius, m.
         radius: f32,
         /// Emitted radiance, W/(m² sr).
-        radiance: Rgb,
+        radiance: Emitted,
     },
     /// A point that emits alike in all directions.
     Point {
         /// Position, m.
         position: Vec3,
         /// Radiant intensity, W/sr.
-        intensity: Rgb,
+        intensity: Emitted,
     },
     /// A point that emits into a cone.
     Spot {
@@ -56,7 +57,7 @@ pub enum Light {
         /// Unit axis of the cone.
         direction: Vec3,
         /// Radiant intensity on the axis, W/sr.
-        intensity: Rgb,
+        intensity: Emitted,
         /// Half angle within which the intensity is full, radians.
         inner_angle: f32,
         /// Half angle beyond which there is none, radians.
@@ -67,7 +68,7 @@ pub enum Light {
         /// Unit direction in which the light travels.
         direction: Vec3,
         /// Irradiance on a surface that faces the light, W/m².
-        irradiance: Rgb,
+        irradiance: Emitted,
     },
 }
 
@@ -80,16 +81,27 @@ impl Light {
         }
     }
 
+    /// How much it emits, and by which spectrum.
+    pub fn emitted(&self) -> &Emitted {
+        match self {
+            Self::Quad { radiance, .. } | Self::Disk { radiance, .. } | Self::Sphere { radiance, .. } => {
+                radiance
+            }
+            Self::Point { intensity, .. } | Self::Spot { intensity, .. } => intensity,
+            Self::Directional { irradiance, .. } => irradiance,
+        }
+    }
+
     /// What it emits, in the quantity that a light of its kind has.
     pub fn emission(&self) -> Emission {
         match *self {
             Self::Quad { radiance, .. } | Self::Disk { radiance, .. } | Self::Sphere { radiance, .. } => {
-                Emission::Radiance(Radiance(radiance))
+                Emission::Radiance(Radiance(radiance.rgb))
             }
             Self::Point { intensity, .. } | Self::Spot { intensity, .. } => {
-                Emission::Intensity(RadiantIntensity(intensity))
+                Emission::Intensity(RadiantIntensity(intensity.rgb))
             }
-            Self::Directional { irradiance, .. } => Emission::Irradiance(Irradiance(irradiance)),
+            Self::Directional { irradiance, .. } => Emission::Irradiance(Irradiance(irradiance.rgb)),
         }
     }
 
@@ -216,7 +228,8 @@ mod tests {
 
     #[test]
     fn power_is_radiance_over_surface_and_directions() {
-        let radiance = Rgb::new(1.0, 2.0, 3.0);
+        let rgb = Rgb::new(1.0, 2.0, 3.0);
+        let radiance = Emitted::from(rgb);
         let sphere = Light::Sphere { center: Vec3::ZERO, radius: 0.5, radiance };
         let quad = Light::Quad { center: Vec3::ZERO, half_u: Vec3::X, half_v: 0.25 * Vec3::Y, radiance };
         let disk = Light::Disk { center: Vec3::ZERO, normal: Vec3::Z, radius: 2.0, radiance };
@@ -224,13 +237,13 @@ mod tests {
         for (light, of_one) in [(sphere, PI * PI), (quad, PI), (disk, 4.0 * PI * PI), (point, 4.0 * PI)] {
             let power = light.power().unwrap().0;
             for c in 0..3 {
-                let expected = of_one * f64::from(radiance[c]);
+                let expected = of_one * f64::from(rgb[c]);
                 // One rounding to single precision.
                 assert!((f64::from(power[c]) / expected - 1.0).abs() < 1e-7, "{}", light.kind());
             }
         }
         let sun = Light::Directional { direction: Vec3::NEG_Y, irradiance: radiance };
         assert_eq!(sun.power(), None);
-        assert_eq!(sun.emission(), Emission::Irradiance(Irradiance(radiance)));
+        assert_eq!(sun.emission(), Emission::Irradiance(Irradiance(rgb)));
     }
 }

@@ -5,6 +5,7 @@
 
 pub mod camera;
 mod complete;
+mod emitted;
 pub mod environment;
 pub mod error;
 pub mod filter;
@@ -20,6 +21,7 @@ pub mod texture;
 mod toml;
 
 pub use camera::Camera;
+pub use emitted::{Emitted, Source};
 pub use error::SceneError;
 pub use gltf::{GltfScene, read_gltf};
 pub use light::{Environment, Light};

@@ -232,7 +232,7 @@ mod tests {
 
     #[test]
     fn lights_with_a_size_have_a_surface() {
-        let radiance = crate::radiometry::Rgb::ONE;
+        let radiance = crate::radiometry::Rgb::ONE.into();
         let (center, radius) = (Vec3::ZERO, 1.0);
         let (half_u, half_v) = (Vec3::X, Vec3::Y);
         let facing = |light: &Light| light_mesh(light).map(|m| area_vector(&m).0.normalize_or_zero());

@@ -168,22 +168,24 @@ fn reach(light: &Light) -> Option<Reach> {
         Light::Quad { center, half_u, half_v, radiance } => {
             let cross = half_u.cross(half_v);
             let radius = (half_u.length_squared() + half_v.length_squared()).sqrt();
-            let intensity = 4.0 * cross.length() * radiance.mean();
+            let intensity = 4.0 * cross.length() * radiance.rgb.mean();
             (near(center, radius, Some(cross.normalize_or_zero()), intensity), radiance)
         }
         Light::Disk { center, normal, radius, radiance } => {
-            (near(center, radius, Some(normal), PI * radius * radius * radiance.mean()), radiance)
+            (near(center, radius, Some(normal), PI * radius * radius * radiance.rgb.mean()), radiance)
         }
         Light::Sphere { center, radius, radiance } => {
-            (near(center, radius, None, PI * radius * radius * radiance.mean()), radiance)
+            (near(center, radius, None, PI * radius * radius * radiance.rgb.mean()), radiance)
         }
-        Light::Point { position, intensity } => (near(position, 0.0, None, intensity.mean()), intensity),
-        Light::Spot { position, intensity, .. } => (near(position, 0.0, None, intensity.mean()), intensity),
+        Light::Point { position, intensity } => (near(position, 0.0, None, intensity.rgb.mean()), intensity),
+        Light::Spot { position, intensity, .. } => {
+            (near(position, 0.0, None, intensity.rgb.mean()), intensity)
+        }
         Light::Directional { direction, irradiance } => {
-            (Reach::Far { direction: Some(-direction), irradiance: irradiance.mean() }, irradiance)
+            (Reach::Far { direction: Some(-direction), irradiance: irradiance.rgb.mean() }, irradiance)
         }
     };
-    (!value.is_black()).then_some(reach)
+    (!value.rgb.is_black()).then_some(reach)
 }
 
 /// The triangles of an instance as an emitter; `None` if it does not emit.
@@ -247,13 +249,13 @@ fn sample_light(light: &Light, point: Vec3, u: f32, v: f32) -> Option<LightSampl
             let cross = half_u.cross(half_v);
             let target = center + half_u * (2.0 * u - 1.0) + half_v * (2.0 * v - 1.0);
             let area = 4.0 * cross.length();
-            from_area(point, target, cross.normalize_or_zero(), radiance, 1.0 / area)
+            from_area(point, target, cross.normalize_or_zero(), radiance.rgb, 1.0 / area)
         }
         Light::Disk { center, normal, radius, radiance } => {
             let p = warp::square_to_disk(u, v) * radius;
             let frame = Frame::from_normal(normal);
             let target = center + frame.tangent * p.x + frame.bitangent * p.y;
-            from_area(point, target, normal, radiance, 1.0 / (PI * radius * radius))
+            from_area(point, target, normal, radiance.rgb, 1.0 / (PI * radius * radius))
         }
         Light::Sphere { center, radius, radiance } => {
             let offset = center - point;
@@ -268,20 +270,20 @@ fn sample_light(light: &Light, point: Vec3, u: f32, v: f32) -> Option<LightSampl
             Some(LightSample {
                 direction,
                 distance: along - inside,
-                value: radiance / density,
+                value: radiance.rgb / density,
                 density: Some(density),
             })
         }
-        Light::Point { position, intensity } => from_point(point, position, intensity),
+        Light::Point { position, intensity } => from_point(point, position, intensity.rgb),
         Light::Spot { position, direction, intensity, inner_angle, outer_angle } => {
-            let sample = from_point(point, position, intensity)?;
+            let sample = from_point(point, position, intensity.rgb)?;
             let fade = spot_falloff(-sample.direction.dot(direction), inner_angle, outer_angle);
             (fade > 0.0).then_some(LightSample { value: sample.value * fade, ..sample })
         }
         Light::Directional { direction, irradiance } => Some(LightSample {
             direction: -direction,
             distance: f32::INFINITY,
-            value: irradiance,
+            value: irradiance.rgb,
             density: None,
         }),
     }

@@ -79,7 +79,7 @@ mod tests {
             }],
             lights: vec![Light::Point {
                 position: translation + Vec3::Y,
-                intensity: crate::radiometry::Rgb::ONE,
+                intensity: crate::radiometry::Rgb::ONE.into(),
             }],
             ..Scene::default()
         }

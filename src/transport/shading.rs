@@ -139,7 +139,7 @@ pub fn emitted(light: &Light, surface: &SurfacePoint, direction: Vec3) -> Rgb {
     }
     match light {
         Light::Quad { radiance, .. } | Light::Disk { radiance, .. } | Light::Sphere { radiance, .. } => {
-            *radiance
+            radiance.rgb
         }
         Light::Point { .. } | Light::Spot { .. } | Light::Directional { .. } => Rgb::ZERO,
     }

@@ -152,12 +152,12 @@ fn lights_become_radiometric() {
     assert_eq!(
         read.scene.lights,
         [
-            Light::Point { position: Vec3::new(0.0, 7.0, 0.0), intensity: Rgb::new(1.0, 0.5, 0.0) },
-            Light::Directional { direction: Vec3::NEG_Z, irradiance: Rgb::ONE / LUMENS_PER_WATT },
+            Light::Point { position: Vec3::new(0.0, 7.0, 0.0), intensity: Rgb::new(1.0, 0.5, 0.0).into() },
+            Light::Directional { direction: Vec3::NEG_Z, irradiance: (Rgb::ONE / LUMENS_PER_WATT).into() },
             Light::Spot {
                 position: Vec3::ZERO,
                 direction: Vec3::Z,
-                intensity: Rgb::splat(10.0),
+                intensity: Rgb::splat(10.0).into(),
                 inner_angle: 0.1,
                 outer_angle: std::f32::consts::FRAC_PI_4,
             },

@@ -36,7 +36,7 @@ fn floor(lights: Vec<Light>) -> Scene {
 /// Lights of no size, or seen from their own plane, light nothing and are no trouble.
 #[test]
 fn lights_without_area() {
-    let radiance = Rgb::splat(5.0);
+    let radiance = Rgb::splat(5.0).into();
     let lights = [
         Light::Quad { center: Vec3::Y, half_u: Vec3::ZERO, half_v: Vec3::Z, radiance },
         Light::Quad { center: Vec3::Y, half_u: Vec3::X * 1e-30, half_v: Vec3::Z * 1e-30, radiance },
@@ -62,15 +62,19 @@ fn lights_without_area() {
 
 #[test]
 fn light_in_the_plane_it_lights() {
-    let quad =
-        |center: Vec3| Light::Quad { center, half_u: Vec3::Z, half_v: Vec3::X, radiance: Rgb::splat(5.0) };
+    let quad = |center: Vec3| Light::Quad {
+        center,
+        half_u: Vec3::Z,
+        half_v: Vec3::X,
+        radiance: Rgb::splat(5.0).into(),
+    };
     let mut figure = String::new();
     // Beside what is seen, in the plane; and standing on it.
     let wall = Light::Quad {
         center: Vec3::new(-2.0, 1.0, 0.0),
         half_u: Vec3::Y,
         half_v: Vec3::Z,
-        radiance: Rgb::splat(5.0),
+        radiance: Rgb::splat(5.0).into(),
     };
     for (name, light, lit) in [("in the plane", quad(Vec3::X * -3.0), false), ("standing on it", wall, true)]
     {
@@ -97,7 +101,7 @@ fn lights_far_away() {
         let light = Light::Sphere {
             center: Vec3::Y * distance as f32,
             radius: radius as f32,
-            radiance: Rgb::splat(radiance as f32),
+            radiance: Rgb::splat(radiance as f32).into(),
         };
         for (backend, found) in on_backends(&floor(vec![light]), by(Method::Bssrdf), &Pictures(64)) {
             let irradiance = found.mean.mean() * PI;

@@ -27,7 +27,7 @@ fn still_life(scale: f32) -> Scene {
     scene.lights = vec![Light::Sphere {
         center: Vec3::new(1.0, 3.0, 1.5) * scale,
         radius: 0.75 * scale,
-        radiance: Rgb::splat(4.0),
+        radiance: Rgb::splat(4.0).into(),
     }];
     scene.camera.position *= scale;
     scene

@@ -183,7 +183,7 @@ fn wrong_transformations_are_told() {
             let mut scene = scene.clone();
             for light in &mut scene.lights {
                 if let Light::Quad { radiance, .. } = light {
-                    *radiance *= 0.5;
+                    radiance.rgb *= 0.5;
                 }
             }
             scene

@@ -160,17 +160,20 @@ impl Source {
     fn light(self) -> Light {
         let center = Vec3::new(2.0, 4.0, 1.0);
         match self {
-            Self::Lamp { radius } => Light::Sphere { center, radius, radiance: Rgb::new(6.0, 5.0, 4.0) },
+            Self::Lamp { radius } => {
+                Light::Sphere { center, radius, radiance: Rgb::new(6.0, 5.0, 4.0).into() }
+            }
             Self::Window { width } => Light::Quad {
                 center,
                 half_u: Vec3::Z * width,
                 half_v: Vec3::X * width,
-                radiance: Rgb::new(4.0, 5.0, 6.0),
+                radiance: Rgb::new(4.0, 5.0, 6.0).into(),
             },
-            Self::Point => Light::Point { position: center, intensity: Rgb::splat(20.0) },
-            Self::Sun => {
-                Light::Directional { direction: -center.normalize(), irradiance: Rgb::new(2.0, 1.9, 1.7) }
-            }
+            Self::Point => Light::Point { position: center, intensity: Rgb::splat(20.0).into() },
+            Self::Sun => Light::Directional {
+                direction: -center.normalize(),
+                irradiance: Rgb::new(2.0, 1.9, 1.7).into(),
+            },
         }
     }
 }

@@ -49,12 +49,12 @@ impl Similarity {
             // Irradiance falls with the square of the distance.
             Light::Point { position, intensity } => {
                 *position = self.point(*position);
-                *intensity *= self.scale.powi(2);
+                intensity.rgb *= self.scale.powi(2);
             }
             Light::Spot { position, direction, intensity, .. } => {
                 *position = self.point(*position);
                 *direction = self.turned(*direction);
-                *intensity *= self.scale.powi(2);
+                intensity.rgb *= self.scale.powi(2);
             }
             Light::Directional { direction, .. } => *direction = self.turned(*direction),
         }
@@ -205,7 +205,7 @@ pub fn recolored(scene: &Scene, channels: [usize; 3]) -> Scene {
         | Light::Point { intensity: color, .. }
         | Light::Spot { intensity: color, .. }
         | Light::Directional { irradiance: color, .. }) = light;
-        *color = exchanged(*color);
+        color.rgb = exchanged(color.rgb);
     }
     match &mut scene.environment {
         Some(Environment::Constant(radiance)) => *radiance = exchanged(*radiance),

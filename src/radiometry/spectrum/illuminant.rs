@@ -43,6 +43,9 @@ impl Illuminant {
     /// Daylight of sRGB, Rec.709.
     pub const D65: Self = Self::D([-0.295, -0.689]);
 
+    /// The names of illuminants.
+    pub const NAMES: [&'static str; 6] = ["A", "D50", "D55", "D65", "D75", "E"];
+
     /// The illuminant of a name.
     ///
     /// # Errors
@@ -58,6 +61,11 @@ impl Illuminant {
             _ => return Err(IlluminantError::Unknown(name.into())),
         };
         Self::daylight(nominal * NOMINAL_TO_CORRELATED)
+    }
+
+    /// Its name, if it has one.
+    pub fn name(&self) -> Option<&'static str> {
+        Self::NAMES.into_iter().find(|name| Self::from_name(name).as_ref() == Ok(self))
     }
 
     /// Daylight of a correlated colour temperature in K (CIE 15:2018, eqs. 4.7 to 4.12).

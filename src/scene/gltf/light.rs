@@ -36,8 +36,8 @@ impl Reader<'_> {
             return Ok(());
         }
         let light = match light.kind.as_str() {
-            "point" => Light::Point { position, intensity: power },
-            "directional" => Light::Directional { direction, irradiance: power },
+            "point" => Light::Point { position, intensity: power.into() },
+            "directional" => Light::Directional { direction, irradiance: power.into() },
             "spot" => {
                 let inner_angle = light.spot.inner_cone_angle;
                 let outer_angle = light.spot.outer_cone_angle;
@@ -49,7 +49,7 @@ impl Reader<'_> {
                     ));
                 }
                 let outer_angle = outer_angle.min(FRAC_PI_2);
-                Light::Spot { position, direction, intensity: power, inner_angle, outer_angle }
+                Light::Spot { position, direction, intensity: power.into(), inner_angle, outer_angle }
             }
             other => {
                 return Err(self.document.error(

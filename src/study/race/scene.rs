@@ -43,7 +43,7 @@ pub fn ball() -> Scene {
         lights: vec![Light::Sphere {
             center: Vec3::new(0.3, 0.3, 0.2),
             radius: 0.05,
-            radiance: Rgb::splat(20.0),
+            radiance: Rgb::splat(20.0).into(),
         }],
         // Most of a render's rays are then probes.
         subsurface: SubsurfaceSettings { method: Method::Bssrdf, ..SubsurfaceSettings::default() },
