@@ -230,6 +230,26 @@ fn light_goes_by_wavelength_where_something_calls_for_it() {
 }
 
 #[test]
+fn media_by_wavelength_call_for_it() {
+    let folder = folder("");
+    fs::write(folder.path("skin.csv"), "wavelength,mu_a,mu_s\n400,9,900\n700,2,500\n").unwrap();
+    let scene =
+        SCENE.replace("sigma_a = [2.1, 4.1, 7.1]\nsigma_s = [2190, 2620, 3000]", "spectrum = \"skin.csv\"");
+    fs::write(folder.path("scene.toml"), scene).unwrap();
+    for (forces, reason) in [
+        (&[][..], "material `marble` of object `sphere` is given by wavelength"),
+        // What is left of it then is what the channels see.
+        (&["colours-of-mean-free-paths=off"], "nothing depends on the wavelength"),
+    ] {
+        let plan = forced(&folder, forces);
+        let spectral = effect(&plan, "spectral");
+        assert_eq!(spectral["on"], reason.starts_with("material"), "{spectral}");
+        assert!(spectral["reason"].as_str().unwrap().contains(reason), "{spectral}");
+        assert_eq!(effect(&plan, "subsurface scattering")["on"], true);
+    }
+}
+
+#[test]
 fn coloured_lamps_call_for_wavelengths_and_white_ones_do_not() {
     let lamp = |law: &str, strength: &str| {
         format!("[[light]]\ntype = \"point\"\nposition = [0, 4, 0]\nintensity = {strength}\n{law}\n")

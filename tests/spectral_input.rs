@@ -10,7 +10,8 @@ use std::path::Path;
 use alabaster::radiometry::Rgb;
 use alabaster::radiometry::spectrum::dispersion::Dispersion;
 use alabaster::radiometry::spectrum::lamp::Lamp;
-use alabaster::scene::{Light, Scene, SceneError, Source, Surface, read_scene};
+use alabaster::radiometry::spectrum::medium_table::MediumTable;
+use alabaster::scene::{Light, ScatteringInput, Scene, SceneError, Source, Surface, read_scene};
 use program::Folder;
 
 const SPHERE: &str = "[[object]]\nshape = 'sphere'\ncenter = [0, 0, 0]\nradius = 1\nmaterial = 'm'\n";
@@ -171,6 +172,135 @@ fn what_is_no_lamp_is_refused_by_name() {
     }
 }
 
+/// A table in `skin.csv` and a translucent material that names it; `keys` are the material's other ones.
+fn read_medium(table: &str, keys: &str) -> Result<Scene, SceneError> {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("skin.csv"), table).unwrap();
+    read_in(folder.path(), &format!("[material.m]\ntype = 'translucent'\nspectrum = 'skin.csv'\n{keys}\n"))
+}
+
+/// Index, coefficients seen by the channels, mean cosine and table of what was read.
+fn spectral(scene: &Scene) -> (f32, Rgb, Rgb, f32, &MediumTable) {
+    match &scene.materials[0].surface {
+        Surface::Translucent {
+            ior,
+            medium: ScatteringInput::Spectral { sigma_a, sigma_s, g, table },
+            ..
+        } => (*ior, *sigma_a, *sigma_s, *g, table),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_medium_is_read_from_a_table() {
+    let table = "# skin\nwavelength [nm], mu_a [1/cm], mu_s_reduced [1/mm], g, n\n400, 5, 6, 0.8, 1.4\n700, 1, 2, 0.8, 1.4\n";
+    let scene = read_medium(table, "roughness = 0.3").unwrap();
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    let (ior, sigma_a, sigma_s, g, table) = spectral(&scene);
+    assert_eq!((ior, g), (1.4, 0.8));
+    // Half-way between the rows, in 1/m; 1 − g loses a digit of sixteen to rounding.
+    let middle = table.similar(550.0, f64::from(g));
+    assert!((middle.mu_a - 300.0).abs() < 1e-9 && (middle.mu_s * (1.0 - f64::from(g)) - 4000.0).abs() < 1e-9);
+    // Within the table, and in the order of the wavelengths that the channels see.
+    for (sigma, low, high) in [(sigma_a, 100.0, 500.0), (sigma_s, 1e4, 3e4)] {
+        assert!(low < sigma[0] && sigma[0] < sigma[1] && sigma[1] < sigma[2] && sigma[2] < high, "{sigma:?}");
+    }
+}
+
+#[test]
+fn a_constant_medium_is_what_its_coefficients_say() {
+    for (columns, row, keys, expected) in [
+        ("mu_a,mu_s", "2,300", "", (1.5, 2.0, 300.0, 0.0)),
+        ("mu_a,mu_s", "2,300", "g = 0.5\nior = 1.33", (1.33, 2.0, 300.0, 0.5)),
+        ("mu_a,mu_s_reduced", "2,300", "g = 0.5", (1.5, 2.0, 600.0, 0.5)),
+        ("mu_a,mu_s_reduced,g,n", "2,300,0.75,1.4", "", (1.4, 2.0, 1200.0, 0.75)),
+        ("mu_a,mu_s_reduced,n", "2,300,1.4", "ior = 1.33", (1.33, 2.0, 300.0, 0.0)),
+    ] {
+        let scene = read_medium(&format!("wavelength,{columns}\n550,{row}\n"), keys).unwrap();
+        let (ior, sigma_a, sigma_s, g, _) = spectral(&scene);
+        assert_eq!((ior, g), (expected.0, expected.3), "{columns} {keys}");
+        for channel in 0..3 {
+            // A rounding to single precision.
+            assert!(
+                (sigma_a[channel] / expected.1 - 1.0).abs() <= f32::EPSILON,
+                "{columns} {keys}: {sigma_a:?}"
+            );
+            assert!(
+                (sigma_s[channel] / expected.2 - 1.0).abs() <= f32::EPSILON,
+                "{columns} {keys}: {sigma_s:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn what_is_taken_for_constant_and_is_not_is_said() {
+    let warnings = |g: [f64; 2], n: [f64; 2]| {
+        let row = |i: usize| format!("{},1,100,{},{}\n", 400 + 300 * i, g[i], n[i]);
+        let table = format!("wavelength,mu_a,mu_s,g,n\n{}{}", row(0), row(1));
+        read_medium(&table, "").unwrap().warnings.join("\n")
+    };
+    assert_eq!(warnings([0.8, 0.81], [1.4, 1.405]), "");
+    let said = warnings([0.7, 0.9], [1.4, 1.405]);
+    assert_eq!(
+        said,
+        "material `m`: g of skin.csv goes from 0.7 to 0.9; 0.8000, that at 550 nm, stands for all wavelengths, reduced scattering kept"
+    );
+    let said = warnings([0.8, 0.8], [1.36, 1.42]);
+    assert_eq!(
+        said,
+        "material `m`: n of skin.csv goes from 1.36 to 1.42; 1.3900, that at 550 nm, stands for all wavelengths"
+    );
+    let clear = read_medium("wavelength,mu_a,mu_s\n400,1,0\n700,3,0\n", "").unwrap().warnings;
+    assert!(clear.concat().contains("nothing scatters in skin.csv"), "{clear:?}");
+}
+
+/// Tables that are none, and the line and part of the message.
+const NO_TABLE: [(&str, &str, &str); 15] = [
+    ("", "line 1", "there is no row"),
+    ("wavelength,mu_a,mu_s\n", "line 1", "there is no row"),
+    ("wavelength,mu_a\n550,1\n", "line 1", "there is no mu_s or mu_s_reduced"),
+    ("wavelength,mua,mu_s\n550,1,1\n", "line 1", "\"mua\" is no column"),
+    ("wavelength,mu_a [1/in],mu_s\n550,1,1\n", "line 1", "\"1/in\" is no unit of mu_a"),
+    ("wavelength,mu_a,mu_s\n350,1,1\n", "line 2", "wavelength: 350 nm is out of range"),
+    ("wavelength,mu_a,mu_s\n550,1,1\n1000,1,1\n", "line 3", "wavelength: 1000 nm is out of range"),
+    ("wavelength,mu_a,mu_s\n550,1,1\n\n# red\n540,1,1\n", "line 5", "wavelength: 540 nm comes after 550 nm"),
+    ("wavelength,mu_a,mu_s\n550,1,1\n550,2,1\n", "line 3", "wavelength: 550 nm is there already"),
+    ("wavelength,mu_a,mu_s\n550,-1,1\n", "line 2", "mu_a: -1 at 550 nm; it must be finite and not negative"),
+    ("wavelength,mu_a,mu_s\n550,1,-2\n", "line 2", "mu_s: -2 at 550 nm"),
+    ("wavelength,mu_a,mu_s_reduced\n550,1,inf\n", "line 2", "mu_s_reduced: inf at 550 nm"),
+    ("wavelength,mu_a,mu_s\n550,1,x\n", "line 2", "\"x\" is no number (mu_s)"),
+    ("wavelength,mu_a,mu_s,g\n550,1,1,1\n", "line 2", "g = 1; it must lie between"),
+    ("wavelength,mu_a,mu_s,n\n550,1,1,0\n", "line 2", "n = 0"),
+];
+
+#[test]
+fn what_is_no_table_is_refused_by_name() {
+    for (table, line, problem) in NO_TABLE {
+        let error = read_medium(table, "").expect_err(table);
+        assert!(error.file.ends_with("skin.csv"), "{error}");
+        assert!(error.place == line && error.problem.contains(problem), "{table}: {error}");
+    }
+    let two = read_medium("wavelength,mu_a,mu_s,g\n550,1,1,0.5\n", "g = 0.5").unwrap_err();
+    assert!(two.problem.contains("leave one of them out"), "{two}");
+    let huge = read_medium("wavelength,mu_a,mu_s\n550,1e39,1\n", "").unwrap_err();
+    assert!(huge.problem.contains("larger than can be computed"), "{huge}");
+}
+
+#[test]
+fn a_table_is_one_way_of_several_to_give_a_medium() {
+    let material = |keys: &str| read(&format!("[material.m]\ntype = 'translucent'\n{keys}\n")).unwrap_err();
+    let missing = material("spectrum = 'missing.csv'");
+    assert_eq!(missing.place, "line 13, material.m.spectrum");
+    assert!(missing.problem.contains("there is no file"), "{missing}");
+    let both = material("sigma_a = 1\nsigma_s = 1\nspectrum = 'skin.csv'");
+    assert!(
+        both.place == "line 15, material.m.spectrum" && both.problem.contains("excludes `sigma_a`"),
+        "{both}"
+    );
+    assert!(material("").problem.contains("or `spectrum`"));
+}
+
 #[test]
 fn the_program_says_what_is_wrong_and_ends_with_2() {
     let folder = Folder::new();
@@ -181,4 +311,8 @@ fn the_program_says_what_is_wrong_and_ends_with_2() {
         folder.refuses(&["render", "scene.toml", "-o", "a.exr"], 2, part);
         folder.refuses(&["plan", "scene.toml"], 2, part);
     }
+    fs::write(folder.path("skin.csv"), "wavelength,mu_a,mu_s\n500,1,1\n400,1,1\n").unwrap();
+    fs::write(folder.path("scene.toml"), text("[material.m]\ntype = 'translucent'\nspectrum = 'skin.csv'\n"))
+        .unwrap();
+    folder.refuses(&["plan", "scene.toml"], 2, "skin.csv: line 3: wavelength: 400 nm comes after 500 nm");
 }

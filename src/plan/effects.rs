@@ -136,7 +136,9 @@ fn medium(material: &Material) -> Option<&ScatteringInput> {
 
 fn scatters(medium: &ScatteringInput) -> bool {
     match medium {
-        ScatteringInput::Coefficients { sigma_s, .. } => !sigma_s.is_black(),
+        ScatteringInput::Coefficients { sigma_s, .. } | ScatteringInput::Spectral { sigma_s, .. } => {
+            !sigma_s.is_black()
+        }
         ScatteringInput::Albedo { albedo, .. } => !albedo.factor.is_black(),
     }
 }
@@ -215,6 +217,10 @@ pub(super) fn dispersion(material: &Material) -> Option<String> {
     let dispersion = material.surface.dispersion()?;
     // To two places, as data sheets have it.
     Some(format!("has Abbe number {}", (100.0 * dispersion.abbe()).round() / 100.0))
+}
+
+pub(super) fn by_wavelength(material: &Material) -> Option<String> {
+    matches!(medium(material)?, ScatteringInput::Spectral { .. }).then(|| "is given by wavelength".into())
 }
 
 /// True if light goes on inside.

@@ -152,7 +152,9 @@ fn fold_surface(surface: &mut Surface) {
         Surface::Translucent {
             ior,
             roughness,
-            medium: ScatteringInput::Coefficients { sigma_a, sigma_s, .. },
+            medium:
+                ScatteringInput::Coefficients { sigma_a, sigma_s, .. }
+                | ScatteringInput::Spectral { sigma_a, sigma_s, .. },
         } if sigma_s.is_black() => {
             *surface = Surface::Dielectric {
                 ior: *ior,

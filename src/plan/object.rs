@@ -125,7 +125,8 @@ impl PlannedObject {
 /// The medium of a body in air. Where the albedo is textured its factor stands for it, with which light goes farthest.
 fn coefficients(input: &ScatteringInput, ior: f32) -> Medium {
     match input {
-        ScatteringInput::Coefficients { sigma_a, sigma_s, g } => {
+        ScatteringInput::Coefficients { sigma_a, sigma_s, g }
+        | ScatteringInput::Spectral { sigma_a, sigma_s, g, .. } => {
             Medium { sigma_a: *sigma_a, sigma_s: *sigma_s, g: *g }
         }
         ScatteringInput::Albedo { albedo, mean_free_path, g } => {

@@ -1,6 +1,6 @@
 //! Whether light is carried by wavelength, and what calls for it.
 
-use super::effects::{dispersion, first_of, users};
+use super::effects::{by_wavelength, dispersion, first_of, users};
 use crate::scene::{ColorMode, Light, Scene};
 
 /// What calls for light by wavelength: the scene file, or something that red, green and blue cannot show.
@@ -8,7 +8,9 @@ pub fn spectral(scene: &Scene) -> Option<String> {
     match scene.render.color_mode {
         ColorMode::Spectral => Some("`mode = \"spectral\"` asks for it".into()),
         ColorMode::Rgb => None,
-        ColorMode::Auto => users(scene, dispersion).or_else(|| lamps(scene)),
+        ColorMode::Auto => {
+            users(scene, dispersion).or_else(|| users(scene, by_wavelength)).or_else(|| lamps(scene))
+        }
     }
 }
 

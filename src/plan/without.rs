@@ -100,7 +100,8 @@ fn change_medium(material: &mut Material, change: impl FnOnce(&mut ScatteringInp
 /// little is absorbed.
 fn make_isotropic(medium: &mut ScatteringInput) {
     match medium {
-        ScatteringInput::Coefficients { sigma_s, g, .. } => {
+        // Of a table, too, reduced scattering stays.
+        ScatteringInput::Coefficients { sigma_s, g, .. } | ScatteringInput::Spectral { sigma_s, g, .. } => {
             *sigma_s *= 1.0 - *g;
             *g = 0.0;
         }
@@ -114,8 +115,10 @@ fn make_isotropic(medium: &mut ScatteringInput) {
 /// Gives all channels the mean σ_t; how much of it scatters stays as it is, and with it the albedo.
 fn make_extinction_gray(medium: &mut ScatteringInput) {
     let mean = medium.sigma_t().mean();
+    medium.forget_wavelengths();
     match medium {
-        ScatteringInput::Coefficients { sigma_a, sigma_s, .. } => {
+        ScatteringInput::Coefficients { sigma_a, sigma_s, .. }
+        | ScatteringInput::Spectral { sigma_a, sigma_s, .. } => {
             let sigma_t = *sigma_a + *sigma_s;
             let to_mean = |coefficient: f32, sigma_t: f32| {
                 if sigma_t > 0.0 { coefficient / sigma_t * mean } else { 0.0 }

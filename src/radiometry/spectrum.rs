@@ -1,6 +1,7 @@
 //! Values per spectral channel, and spectra by wavelength.
 
 pub mod blackbody;
+pub mod channels;
 pub mod dispersion;
 pub mod hero;
 pub mod illuminant;

@@ -115,8 +115,8 @@ fn unit_hint(scene: &Scene, instance: usize) -> Option<String> {
     let material = &scene.materials[scene.instances[instance].material];
     let Surface::Translucent { medium, .. } = &material.surface else { return None };
     let path = match medium {
-        ScatteringInput::Coefficients { sigma_a, sigma_s, .. } => (*sigma_a + *sigma_s).map(f32::recip),
         ScatteringInput::Albedo { mean_free_path, .. } => *mean_free_path,
+        _ => medium.sigma_t().map(f32::recip),
     };
     let size = instance_bounds(scene, instance)?.diagonal();
     let (shortest, longest) = (path.min_component(), path.max_component());

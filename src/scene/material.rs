@@ -1,8 +1,11 @@
 //! Materials as the scene gives them: constants and textures, not yet resolved at a point.
 
+use std::sync::Arc;
+
 use super::texture::{ColorInput, ScalarInput};
 use crate::radiometry::Rgb;
 use crate::radiometry::spectrum::dispersion::Dispersion;
+use crate::radiometry::spectrum::medium_table::MediumTable;
 
 /// A material.
 #[derive(Clone, Debug, Default)]
@@ -68,7 +71,10 @@ impl Material {
             Surface::Translucent { medium: ScatteringInput::Albedo { albedo, .. }, .. } => {
                 colors.push(albedo)
             }
-            Surface::Translucent { medium: ScatteringInput::Coefficients { .. }, .. } => {}
+            Surface::Translucent {
+                medium: ScatteringInput::Coefficients { .. } | ScatteringInput::Spectral { .. },
+                ..
+            } => {}
         }
         (colors, scalars)
     }
@@ -266,6 +272,17 @@ pub enum ScatteringInput {
         /// Mean cosine of the Henyey–Greenstein phase function.
         g: f32,
     },
+    /// Coefficients by wavelength.
+    Spectral {
+        /// Absorption coefficient, 1/m, as the channels see it.
+        sigma_a: Rgb,
+        /// Scattering coefficient, 1/m (not reduced), as the channels see it.
+        sigma_s: Rgb,
+        /// Mean cosine of the Henyey–Greenstein phase function, at all wavelengths.
+        g: f32,
+        /// The coefficients; where their mean cosine is another, reduced scattering counts ([`MediumTable::similar`]).
+        table: Arc<MediumTable>,
+    },
     /// What an artist knows: the wanted reflectance.
     Albedo {
         /// Reflectance of a thick flat body for the light that has entered it, in [0, 1].
@@ -281,14 +298,23 @@ impl ScatteringInput {
     /// Mean cosine of the Henyey–Greenstein phase function.
     pub fn g(&self) -> f32 {
         match self {
-            Self::Coefficients { g, .. } | Self::Albedo { g, .. } => *g,
+            Self::Coefficients { g, .. } | Self::Spectral { g, .. } | Self::Albedo { g, .. } => *g,
+        }
+    }
+
+    /// Leaves what the channels see of coefficients by wavelength.
+    pub fn forget_wavelengths(&mut self) {
+        if let Self::Spectral { sigma_a, sigma_s, g, .. } = *self {
+            *self = Self::Coefficients { sigma_a, sigma_s, g };
         }
     }
 
     /// Extinction coefficient σ_t, 1/m.
     pub fn sigma_t(&self) -> Rgb {
         match self {
-            Self::Coefficients { sigma_a, sigma_s, .. } => *sigma_a + *sigma_s,
+            Self::Coefficients { sigma_a, sigma_s, .. } | Self::Spectral { sigma_a, sigma_s, .. } => {
+                *sigma_a + *sigma_s
+            }
             Self::Albedo { mean_free_path, .. } => mean_free_path.map(|l| 1.0 / l),
         }
     }

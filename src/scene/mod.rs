@@ -13,6 +13,7 @@ pub mod gltf;
 pub mod light;
 mod lookup;
 pub mod material;
+mod medium_file;
 pub mod mesh;
 pub mod read;
 pub mod settings;

@@ -410,7 +410,7 @@ fn response(bsdf: &Lobes, orientation: &Orientation, frame: &Frame, local_wo: Ve
 fn wanted_albedo<const CAN: u32>(scene: &Scene, input: &ScatteringInput, surface: &SurfacePoint) -> Rgb {
     match input {
         ScatteringInput::Albedo { albedo, .. } => color::<CAN>(scene, albedo, surface),
-        ScatteringInput::Coefficients { .. } => Rgb::ZERO,
+        ScatteringInput::Coefficients { .. } | ScatteringInput::Spectral { .. } => Rgb::ZERO,
     }
 }
 

@@ -365,7 +365,7 @@ fn clearances<C: RayCaster>(
 pub(super) fn albedo_factor(input: &ScatteringInput) -> Rgb {
     match input {
         ScatteringInput::Albedo { albedo, .. } => albedo.factor,
-        ScatteringInput::Coefficients { .. } => Rgb::ZERO,
+        ScatteringInput::Coefficients { .. } | ScatteringInput::Spectral { .. } => Rgb::ZERO,
     }
 }
 

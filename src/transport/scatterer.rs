@@ -254,7 +254,8 @@ impl Scatterer {
 
     fn medium_of(&self, local: &Local) -> Medium {
         match &self.input {
-            ScatteringInput::Coefficients { sigma_a, sigma_s, g } => {
+            ScatteringInput::Coefficients { sigma_a, sigma_s, g }
+            | ScatteringInput::Spectral { sigma_a, sigma_s, g, .. } => {
                 Medium { sigma_a: *sigma_a, sigma_s: *sigma_s, g: *g }
             }
             ScatteringInput::Albedo { mean_free_path, g, .. } => {
@@ -278,14 +279,17 @@ impl Scatterer {
         match &self.input {
             ScatteringInput::Albedo { albedo, .. } if albedo.texture.is_some() || albedo.vertex_color => None,
             ScatteringInput::Albedo { albedo, .. } => Some(self.resolve(immersed, albedo.factor)),
-            ScatteringInput::Coefficients { .. } => Some(self.resolve(immersed, Rgb::ZERO)),
+            ScatteringInput::Coefficients { .. } | ScatteringInput::Spectral { .. } => {
+                Some(self.resolve(immersed, Rgb::ZERO))
+            }
         }
     }
 
     /// The medium; `wanted` is the reflectance asked for, where the input is one.
     fn resolve(&self, immersed: &Immersed, wanted: Rgb) -> Local {
         match &self.input {
-            ScatteringInput::Coefficients { sigma_a, sigma_s, g } => {
+            ScatteringInput::Coefficients { sigma_a, sigma_s, g }
+            | ScatteringInput::Spectral { sigma_a, sigma_s, g, .. } => {
                 let medium = Medium { sigma_a: *sigma_a, sigma_s: *sigma_s, g: *g };
                 let absorbed = medium.absorbed_share_reduced();
                 let free_path = medium.sigma_t_reduced().map(|t| 1.0 / t);

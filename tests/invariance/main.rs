@@ -15,7 +15,7 @@ use std::path::Path;
 
 use alabaster::film::Film;
 use alabaster::raycast::{Geometry, RayCaster, RaycastError};
-use alabaster::scene::{FilmSettings, Filter, Light, Method, Scene, read_scene};
+use alabaster::scene::{ColorMode, FilmSettings, Filter, Light, Method, Scene, Surface, read_scene};
 use alabaster::transport::{RenderOptions, Renderer};
 use common::backends::{Films, Work};
 use common::scenes::caster;
@@ -89,8 +89,16 @@ fn scenes() -> Vec<(String, Scene)> {
     paths.iter().map(|path| (name(path), small(read_scene(path).unwrap()))).collect()
 }
 
-fn small(scene: Scene) -> Scene {
-    Scene { film: FilmSettings { width: WIDTH, height: HEIGHT, filter: Filter::Box }, ..scene }
+/// Small, and by red, green and blue, which can be exchanged, as wavelengths cannot.
+fn small(mut scene: Scene) -> Scene {
+    scene.film = FilmSettings { width: WIDTH, height: HEIGHT, filter: Filter::Box };
+    scene.render.color_mode = ColorMode::Rgb;
+    for material in &mut scene.materials {
+        if let Surface::Translucent { medium, .. } = &mut material.surface {
+            medium.forget_wavelengths();
+        }
+    }
+    scene
 }
 
 /// Holds that `transformation` does not show, in what `before` is.

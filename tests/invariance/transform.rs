@@ -68,7 +68,10 @@ impl Similarity {
             Surface::Dielectric { sigma_a, .. } => *sigma_a *= 1.0 / scale,
             Surface::MetallicRoughness(m) => m.sigma_a *= 1.0 / scale,
             Surface::Translucent {
-                medium: ScatteringInput::Coefficients { sigma_a, sigma_s, .. }, ..
+                medium:
+                    ScatteringInput::Coefficients { sigma_a, sigma_s, .. }
+                    | ScatteringInput::Spectral { sigma_a, sigma_s, .. },
+                ..
             } => {
                 *sigma_a *= 1.0 / scale;
                 *sigma_s *= 1.0 / scale;
@@ -239,7 +242,12 @@ pub fn permuted(material: &mut Material, channels: [usize; 3]) {
         Surface::Diffuse { .. } | Surface::Metal { .. } => {}
         Surface::Dielectric { sigma_a, .. } => exchange(sigma_a),
         Surface::MetallicRoughness(m) => exchange(&mut m.sigma_a),
-        Surface::Translucent { medium: ScatteringInput::Coefficients { sigma_a, sigma_s, .. }, .. } => {
+        Surface::Translucent {
+            medium:
+                ScatteringInput::Coefficients { sigma_a, sigma_s, .. }
+                | ScatteringInput::Spectral { sigma_a, sigma_s, .. },
+            ..
+        } => {
             exchange(sigma_a);
             exchange(sigma_s);
         }

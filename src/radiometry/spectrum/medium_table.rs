@@ -29,7 +29,9 @@ pub struct MediumTable {
     /// As the table has it.
     scattering: Vec<f64>,
     is_reduced: bool,
+    /// 0 where the table has none.
     g: Vec<f64>,
+    has_g: bool,
     /// Empty where the table has none.
     ior: Vec<f64>,
 }
@@ -47,9 +49,17 @@ pub struct MediumTableError {
 /// What is wrong with a line.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum MediumTableProblem {
-    /// A wavelength or a coefficient.
+    /// No row at all.
     #[error(transparent)]
     Table(#[from] TableError),
+    /// A wavelength or a coefficient that no spectrum has.
+    #[error("{column}: {problem}")]
+    Value {
+        /// Of which column.
+        column: &'static str,
+        /// What is wrong.
+        problem: TableError,
+    },
     /// A column that is not known.
     #[error("\"{0}\" is no column; known are wavelength, mu_a, mu_s, mu_s_reduced, g, n")]
     UnknownColumn(String),
@@ -146,6 +156,7 @@ impl MediumTable {
             scattering: Vec::new(),
             is_reduced: headings.iter().any(|heading| heading.column == Column::MuSReduced),
             g: Vec::new(),
+            has_g: headings.iter().any(|heading| heading.column == Column::G),
             ior: Vec::new(),
         };
         for (line, row) in lines {
@@ -171,10 +182,15 @@ impl MediumTable {
         };
         let required = |column: Column| value(column).unwrap_or(Ok(0.0));
         let nanometres = required(Column::Wavelength)?;
-        self.wavelengths.push(nanometres)?;
-        self.mu_a.push(not_negative(required(Column::MuA)?, nanometres)?);
-        let scattering = if self.is_reduced { Column::MuSReduced } else { Column::MuS };
-        self.scattering.push(not_negative(required(scattering)?, nanometres)?);
+        let named =
+            |column: &'static str| move |problem: TableError| MediumTableProblem::Value { column, problem };
+        self.wavelengths.push(nanometres).map_err(named("wavelength"))?;
+        self.mu_a.push(not_negative(required(Column::MuA)?, nanometres).map_err(named("mu_a"))?);
+        let (scattering, name) = match self.is_reduced {
+            true => (Column::MuSReduced, "mu_s_reduced"),
+            false => (Column::MuS, "mu_s"),
+        };
+        self.scattering.push(not_negative(required(scattering)?, nanometres).map_err(named(name))?);
         let g = value(Column::G).unwrap_or(Ok(0.0))?;
         if !(g > -1.0 && g < 1.0) {
             return Err(MediumTableProblem::MeanCosine(g));
@@ -202,10 +218,41 @@ impl MediumTable {
         }
     }
 
+    /// The medium of mean cosine `g` with the same reduced scattering μ_s' = μ_s (1 − g), at a wavelength in nm.
+    pub fn similar(&self, nanometres: f64, g: f64) -> SpectralMedium {
+        let medium = self.at(nanometres);
+        SpectralMedium { mu_s: medium.mu_s * ((1.0 - medium.g) / (1.0 - g)), g, ..medium }
+    }
+
+    /// True if the table has a column of mean cosines.
+    pub fn has_mean_cosine(&self) -> bool {
+        self.has_g
+    }
+
+    /// Gives all rows the mean cosine `g`, between −1 and 1; μ_s' or μ_s stays what the table has.
+    pub fn set_mean_cosine(&mut self, g: f64) {
+        self.g.fill(g);
+    }
+
+    /// Least and greatest mean cosine.
+    pub fn mean_cosines(&self) -> [f64; 2] {
+        extremes(&self.g)
+    }
+
+    /// Least and greatest index of refraction, where the table has them.
+    pub fn indices(&self) -> Option<[f64; 2]> {
+        (!self.ior.is_empty()).then(|| extremes(&self.ior))
+    }
+
     /// First and last wavelength of the table, nm.
     pub fn range(&self) -> Option<[f64; 2]> {
         self.wavelengths.range()
     }
+}
+
+fn extremes(values: &[f64]) -> [f64; 2] {
+    let widen = |[low, high]: [f64; 2], value: &f64| [low.min(*value), high.max(*value)];
+    values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], widen)
 }
 
 /// The columns that a header names.
@@ -274,14 +321,31 @@ mod tests {
     }
 
     #[test]
+    fn another_mean_cosine_keeps_reduced_scattering() {
+        let mut table = MediumTable::parse("wavelength,mu_a,mu_s,g\n400,1,100,0.8\n600,1,100,0.9\n").unwrap();
+        assert_eq!(
+            (table.mean_cosines(), table.indices(), table.has_mean_cosine()),
+            ([0.8, 0.9], None, true)
+        );
+        for (nanometres, reduced) in [(400.0, 20.0), (500.0, 15.0), (600.0, 10.0)] {
+            let similar = table.similar(nanometres, 0.5);
+            // Roundings of 1 − g, which is 0.1 at least.
+            assert!((similar.mu_s * 0.5 - reduced).abs() < 1e-12, "{similar:?}");
+            assert_eq!((similar.g, similar.mu_a), (0.5, 1.0));
+        }
+        table.set_mean_cosine(0.25);
+        assert_eq!((table.at(400.0).g, table.at(400.0).mu_s), (0.25, 100.0));
+    }
+
+    #[test]
     fn what_is_wrong_is_named_with_its_line() {
         let header = "wavelength,mu_a,mu_s,g,n\n400,1,1,0,1.4\n# comment\n";
         let cases = [
-            ("300,1,1,0,1.4", "line 4: 300 nm is out of range"),
-            ("390,1,1,0,1.4", "line 4: 390 nm comes after 400 nm"),
-            ("400,1,1,0,1.4", "line 4: 400 nm is there already"),
-            ("410,-1,1,0,1.4", "line 4: -1 at 410 nm"),
-            ("410,1,NaN,0,1.4", "line 4: NaN at 410 nm"),
+            ("300,1,1,0,1.4", "line 4: wavelength: 300 nm is out of range"),
+            ("390,1,1,0,1.4", "line 4: wavelength: 390 nm comes after 400 nm"),
+            ("400,1,1,0,1.4", "line 4: wavelength: 400 nm is there already"),
+            ("410,-1,1,0,1.4", "line 4: mu_a: -1 at 410 nm"),
+            ("410,1,NaN,0,1.4", "line 4: mu_a: NaN at 410 nm"),
             ("410,1,1,1,1.4", "line 4: g = 1"),
             ("410,1,1,0,0", "line 4: n = 0"),
             ("410,1,1", "line 4: 3 values, but the header names 5 columns"),

@@ -6,6 +6,7 @@ use super::replacement::Inherits;
 use crate::medium::presets::measured_material;
 use crate::radiometry::Rgb;
 use crate::scene::material::MetallicRoughness;
+use crate::scene::medium_file::read_medium;
 use crate::scene::{ColorInput, Material, ScalarInput, ScatteringInput, Surface};
 
 #[derive(Clone, Copy)]
@@ -60,7 +61,7 @@ fn only(table: &Table, keys: &[&str]) -> Read<()> {
     table.only(&[&COMMON, keys].concat())
 }
 
-/// Keys: `ior` (1.5, or the preset's), `roughness` (0), `g` (0), and the medium in one of four ways.
+/// Keys: `ior` (1.5, or the preset's), `roughness` (0), `g` (0), and the medium in one of five ways.
 fn translucent(name: &str, table: &Table, warnings: &mut Vec<String>) -> Read<Surface> {
     let ways = MEDIUM_KEYS.concat();
     only(table, &[&["ior", "abbe", "roughness", "g"], ways.as_slice()].concat())?;
@@ -69,7 +70,7 @@ fn translucent(name: &str, table: &Table, warnings: &mut Vec<String>) -> Read<Su
             "material `{name}`: `abbe` is ignored: translucent bodies are rendered without dispersion"
         ));
     }
-    let (medium, measured_ior) = medium(table)?;
+    let (medium, measured_ior) = medium(name, table, warnings)?;
     Ok(Surface::Translucent {
         ior: table.optional("ior", Value::positive)?.or(measured_ior).unwrap_or(1.5),
         roughness: table.optional("roughness", Value::fraction)?.unwrap_or(0.0),
@@ -78,16 +79,18 @@ fn translucent(name: &str, table: &Table, warnings: &mut Vec<String>) -> Read<Su
 }
 
 /// The ways to give a medium, which exclude each other.
-const MEDIUM_KEYS: [&[&str]; 4] = [
+const MEDIUM_KEYS: [&[&str]; 5] = [
     &["sigma_a", "sigma_s"],
     &["preset", "density"],
     &["albedo", "mean_free_path"],
     &["single_scattering_albedo", "sigma_t"],
+    &["spectrum"],
 ];
 
 /// The medium, and the index of refraction if it was measured with it.
-fn medium(table: &Table) -> Read<(ScatteringInput, Option<f32>)> {
-    let g = table.optional("g", |v| v.number_where(|x| x.abs() < 1.0, "between −1 and 1"))?.unwrap_or(0.0);
+fn medium(name: &str, table: &Table, warnings: &mut Vec<String>) -> Read<(ScatteringInput, Option<f32>)> {
+    let given_g = table.optional("g", |v| v.number_where(|x| x.abs() < 1.0, "between −1 and 1"))?;
+    let g = given_g.unwrap_or(0.0);
     for (i, way) in MEDIUM_KEYS.iter().enumerate() {
         for other in MEDIUM_KEYS[i + 1..].iter().copied().flatten() {
             for key in *way {
@@ -112,10 +115,15 @@ fn medium(table: &Table) -> Read<(ScatteringInput, Option<f32>)> {
         let sigma_t = table.required("sigma_t", Value::rgb)?;
         let sigma_a = (Rgb::ONE - albedo) * sigma_t;
         Ok((ScatteringInput::Coefficients { sigma_a, sigma_s: albedo * sigma_t, g }, None))
+    } else if given(4) {
+        let file = table.required("spectrum", Value::existing_file)?;
+        let read = read_medium(&file, given_g)?;
+        warnings.extend(read.warnings.into_iter().map(|warning| format!("material `{name}`: {warning}")));
+        Ok((read.medium, read.ior))
     } else {
         Err(table.error(
             "what is inside? Give `sigma_a` and `sigma_s`, or `preset`, or `albedo` and `mean_free_path`, \
-             or `single_scattering_albedo` and `sigma_t`",
+             or `single_scattering_albedo` and `sigma_t`, or `spectrum`",
         ))
     }
 }

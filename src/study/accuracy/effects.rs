@@ -73,7 +73,8 @@ fn replace(place: &mut f32, value: f32) -> bool {
 /// The coefficients of a medium; `None` where they vary over the surface. `ior` is the index relative to what is around.
 pub fn coefficients(medium: &ScatteringInput, ior: f32) -> Option<Medium> {
     match medium {
-        ScatteringInput::Coefficients { sigma_a, sigma_s, g } => {
+        ScatteringInput::Coefficients { sigma_a, sigma_s, g }
+        | ScatteringInput::Spectral { sigma_a, sigma_s, g, .. } => {
             Some(Medium { sigma_a: *sigma_a, sigma_s: *sigma_s, g: *g })
         }
         ScatteringInput::Albedo { albedo, .. } if albedo.texture.is_some() || albedo.vertex_color => None,
@@ -102,8 +103,10 @@ fn make_gray(medium: &mut ScatteringInput) -> bool {
         let gray = Rgb::splat(color.mean());
         std::mem::replace(color, gray) != gray
     };
+    medium.forget_wavelengths();
     match medium {
-        ScatteringInput::Coefficients { sigma_a, sigma_s, .. } => flatten(sigma_a) | flatten(sigma_s),
+        ScatteringInput::Coefficients { sigma_a, sigma_s, .. }
+        | ScatteringInput::Spectral { sigma_a, sigma_s, .. } => flatten(sigma_a) | flatten(sigma_s),
         ScatteringInput::Albedo { albedo, mean_free_path, .. } => {
             flatten(&mut albedo.factor) | flatten(mean_free_path)
         }

@@ -12,7 +12,8 @@ const FEWEST_PIXELS: usize = 16;
 pub fn is_translucent(scene: &Scene, material: usize) -> bool {
     match &scene.materials[material].surface {
         Surface::Translucent { medium, .. } => match medium {
-            crate::scene::ScatteringInput::Coefficients { sigma_s, .. } => !sigma_s.is_black(),
+            crate::scene::ScatteringInput::Coefficients { sigma_s, .. }
+            | crate::scene::ScatteringInput::Spectral { sigma_s, .. } => !sigma_s.is_black(),
             crate::scene::ScatteringInput::Albedo { .. } => true,
         },
         _ => false,
