@@ -97,7 +97,8 @@ fn every_material_is_checked_and_light_taken_apart() {
 
 #[test]
 fn what_lights_emit_is_told_in_watts() {
-    let report = check(&format!("{SCENE}{MORE}"), &["--spp", "2", "--orders", "0", "--json"]).report();
+    let more = MORE.replace("irradiance = [1, 1, 1]", "irradiance = 1\nilluminant = \"A\"");
+    let report = check(&format!("{SCENE}{more}"), &["--spp", "2", "--orders", "0", "--json"]).report();
     let sphere = named(&report["lights"], "type", "sphere");
     assert_eq!((&sphere["quantity"], &sphere["unit"]), (&"radiance".into(), &"W/(m² sr)".into()));
     for (c, watts) in [10.0, 20.0, 30.0].into_iter().enumerate() {
@@ -107,6 +108,7 @@ fn what_lights_emit_is_told_in_watts() {
     }
     let sun = named(&report["lights"], "type", "directional");
     assert_eq!((&sun["unit"], &sun["power"]), (&"W/m²".into(), &Value::Null));
+    assert_eq!((&sun["lamp"], sphere.get("lamp")), (&"illuminant A".into(), None));
 }
 
 #[test]

@@ -68,7 +68,8 @@ fn on_every_scene_file() {
         let scene = read_scene(&file).unwrap();
         let name = file.file_name().unwrap().to_string_lossy().into_owned();
         let asked = [scene.subsurface.method, Method::Walk, Method::Diffuse];
-        let is_translucent = name.ends_with(".toml");
+        let is_translucent = name.ends_with(".toml")
+            && scene.materials.iter().any(|material| matches!(material.surface, Surface::Translucent { .. }));
         for method in asked.into_iter().take(if is_translucent { 3 } else { 1 }) {
             let options = RenderOptions { method, ..options() };
             let (chosen, lit) = all_kernels_agree(&name, scene.clone(), options);

@@ -72,6 +72,9 @@ pub struct LightReport {
     quantity: &'static str,
     unit: &'static str,
     emission: Rgb,
+    /// The law of its spectrum, where it has more than a colour.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lamp: Option<String>,
     /// By channel; `null` for parallel light.
     power: Option<RadiantFlux<Rgb>>,
 }
@@ -84,7 +87,8 @@ impl LightReport {
             Emission::Intensity(RadiantIntensity(rgb)) => ("intensity", RadiantIntensity::UNIT, rgb),
             Emission::Irradiance(Irradiance(rgb)) => ("irradiance", Irradiance::UNIT, rgb),
         };
-        Self { kind: light.kind(), quantity, unit, emission, power: light.power() }
+        let lamp = light.emitted().source.lamp().map(ToString::to_string);
+        Self { kind: light.kind(), quantity, unit, emission, lamp, power: light.power() }
     }
 
     fn text(&self) -> String {
@@ -95,7 +99,8 @@ impl LightReport {
             }
             None => String::new(),
         };
-        format!("{}: {} {r} {g} {b} {}{power}", self.kind, self.quantity, self.unit)
+        let lamp = self.lamp.as_ref().map_or(String::new(), |lamp| format!(", {lamp}"));
+        format!("{}: {} {r} {g} {b} {}{power}{lamp}", self.kind, self.quantity, self.unit)
     }
 }
 

@@ -345,7 +345,7 @@ mod tests {
             ("390,1,1,0,1.4", "line 4: wavelength: 390 nm comes after 400 nm"),
             ("400,1,1,0,1.4", "line 4: wavelength: 400 nm is there already"),
             ("410,-1,1,0,1.4", "line 4: mu_a: -1 at 410 nm"),
-            ("410,1,NaN,0,1.4", "line 4: mu_a: NaN at 410 nm"),
+            ("410,1,NaN,0,1.4", "line 4: mu_s: NaN at 410 nm"),
             ("410,1,1,1,1.4", "line 4: g = 1"),
             ("410,1,1,0,0", "line 4: n = 0"),
             ("410,1,1", "line 4: 3 values, but the header names 5 columns"),
