@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::{ScatteringInput, SceneError};
 use crate::radiometry::spectrum::channels::channel_means;
 use crate::radiometry::spectrum::medium_table::MediumTable;
+use crate::radiometry::spectrum::{LONGEST, SHORTEST};
 
 /// The wavelength whose mean cosine and index of refraction stand for all others, nm.
 const TYPICAL: f64 = 550.0;
@@ -35,6 +36,27 @@ pub struct TabulatedMedium {
 /// # Errors
 /// If there is no such file or table, or both the table and `g` say what the mean cosine is.
 pub fn read_medium(file: &Path, g: Option<f32>) -> Result<TabulatedMedium, SceneError> {
+    let table = read_table(file, g)?;
+    let refused = |problem: &str| Err(SceneError::file(file, problem));
+    let typical = table.at(TYPICAL);
+    let (g, ior) = (typical.g as f32, typical.ior.map(|ior| ior as f32));
+    // Both are within bounds in double precision.
+    if g.abs() >= 1.0 || ior.is_some_and(|ior| !(ior > 0.0 && ior.is_finite())) {
+        return refused("g or n at 550 nm is at the end of what single precision can tell");
+    }
+    let at = |nanometres: f64| table.similar(nanometres, f64::from(g));
+    let visible = (SHORTEST as u32..=LONGEST as u32).map(|nanometres| at(f64::from(nanometres)));
+    if !visible.map(|medium| (medium.mu_a + medium.mu_s) as f32).all(f32::is_finite) {
+        return refused("coefficients are larger than can be computed; are their units right?");
+    }
+    let sigma_a = channel_means(|nanometres| at(nanometres).mu_a);
+    let sigma_s = channel_means(|nanometres| at(nanometres).mu_s);
+    let warnings = warnings(&table, file, sigma_s.is_black());
+    let medium = ScatteringInput::Spectral { sigma_a, sigma_s, g, table: Arc::new(table) };
+    Ok(TabulatedMedium { medium, ior, warnings })
+}
+
+fn read_table(file: &Path, g: Option<f32>) -> Result<MediumTable, SceneError> {
     let text = fs::read_to_string(file).map_err(|error| SceneError::file(file, error.to_string()))?;
     let mut table = MediumTable::parse(&text)
         .map_err(|error| SceneError::at(file, format!("line {}", error.line), error.problem.to_string()))?;
@@ -45,24 +67,7 @@ pub fn read_medium(file: &Path, g: Option<f32>) -> Result<TabulatedMedium, Scene
         }
         table.set_mean_cosine(f64::from(g));
     }
-    let typical = table.at(TYPICAL);
-    let g = typical.g as f32;
-    let at = |nanometres: f64| table.similar(nanometres, f64::from(g));
-    let sigma_a = channel_means(|nanometres| at(nanometres).mu_a);
-    let sigma_s = channel_means(|nanometres| at(nanometres).mu_s);
-    if !(sigma_a + sigma_s).is_finite() {
-        return Err(SceneError::file(
-            file,
-            "coefficients are larger than can be computed; are their units right?",
-        ));
-    }
-    let warnings = warnings(&table, file, sigma_s.is_black());
-    let ior = typical.ior.map(|ior| ior as f32);
-    Ok(TabulatedMedium {
-        medium: ScatteringInput::Spectral { sigma_a, sigma_s, g, table: Arc::new(table) },
-        ior,
-        warnings,
-    })
+    Ok(table)
 }
 
 fn warnings(table: &MediumTable, file: &Path, is_clear: bool) -> Vec<String> {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use alabaster::scene::environment::load_environment;
 use alabaster::scene::error::printable;
-use alabaster::scene::{Environment, Mesh, Scene, read_scene};
+use alabaster::scene::{Environment, Mesh, ScatteringInput, Scene, Surface, read_scene};
 use alabaster::slab::read_mci;
 
 /// Longest message, characters. Parts of the input may be in it, but not all of a long one.
@@ -41,6 +41,38 @@ pub fn scene(path: &Path) -> Result<bool, String> {
             Ok(true)
         }
         Err(error) => is_clear(&error, "input."),
+    }
+}
+
+/// A medium by wavelength, of a scene beside it.
+pub fn medium(path: &Path) -> Result<bool, String> {
+    const SCENE: &str = "object = [{ shape = 'sphere', center = [0, 0, 0], radius = 1, material = 'm' }]\n\
+                         material.m = { type = 'translucent', spectrum = 'input.csv' }\n";
+    let beside = path.with_file_name("medium.toml");
+    std::fs::write(&beside, SCENE).map_err(|error| error.to_string())?;
+    let scene = match read_scene(&beside) {
+        Ok(scene) => scene,
+        Err(error) => return is_clear(&error, "input.csv"),
+    };
+    let Surface::Translucent { ior, medium, .. } = &scene.materials[0].surface else {
+        return Err("no translucent material".into());
+    };
+    let ScatteringInput::Spectral { sigma_a, sigma_s, g, table } = medium else {
+        return Err("no medium by wavelength".into());
+    };
+    let is_coefficient = |coefficient: f64| coefficient >= 0.0 && coefficient.is_finite();
+    let seen = sigma_a.0.iter().chain(&sigma_s.0).all(|&coefficient| is_coefficient(coefficient.into()));
+    let holds = (360..=830).step_by(5).all(|nanometres| {
+        let medium = table.similar(f64::from(nanometres), f64::from(*g));
+        is_coefficient(medium.mu_a) && is_coefficient(medium.mu_s)
+    });
+    match seen && holds && g.abs() < 1.0 && *ior > 0.0 && ior.is_finite() {
+        true => scene
+            .warnings
+            .iter()
+            .try_for_each(|said| is_clear(&printable(said), "").map(|_| ()))
+            .map(|()| true),
+        false => Err(format!("a medium without sense: {ior} {medium:?}")),
     }
 }
 

@@ -108,14 +108,20 @@ fn layered_slabs() {
     fuzz("layered slabs", &["mci"], law::layers);
 }
 
+#[test]
+fn media_by_wavelength() {
+    fuzz("media by wavelength", &["csv"], law::medium);
+}
+
 /// What mutations begin with gets past the readers.
 #[test]
 fn whole_files_are_read() {
-    let laws: [(&[&str], Law); 4] = [
+    let laws: [(&[&str], Law); 5] = [
         (&["gltf", "glb"], law::scene),
         (&["toml"], law::scene),
         (&["hdr", "exr"], law::environment),
         (&["mci"], law::layers),
+        (&["csv"], law::medium),
     ];
     let folder = tempfile::tempdir().unwrap();
     seeds::put_beside(folder.path());

@@ -54,7 +54,9 @@ pub fn seeds(endings: &[&str]) -> Vec<Seed> {
 
 /// Puts into `target` what the seeds name.
 pub fn put_beside(target: &Path) {
-    fs::copy(folder().join("sky.hdr"), target.join("sky.hdr")).unwrap();
+    for name in ["sky.hdr", "tissue.csv"] {
+        fs::copy(folder().join(name), target.join(name)).unwrap();
+    }
     for seed in made() {
         fs::write(target.join(&seed.name), &seed.bytes).unwrap();
     }

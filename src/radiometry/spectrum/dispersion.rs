@@ -87,7 +87,9 @@ impl Dispersion {
         let range = 0..=(LONGEST - SHORTEST) as u32;
         for nanometres in range.map(|step| SHORTEST + f64::from(step)) {
             let ior = self.ior(nanometres);
-            if !(ior > 0.0 && ior.is_finite()) {
+            // In single precision, as it is rendered with.
+            let single = ior as f32;
+            if !(single > 0.0 && single.is_finite()) {
                 return Err(DispersionError::Ior { ior, nanometres });
             }
         }
