@@ -304,9 +304,13 @@ fn a_table_is_one_way_of_several_to_give_a_medium() {
 #[test]
 fn the_program_says_what_is_wrong_and_ends_with_2() {
     let folder = Folder::new();
-    for (more, part) in
-        [("[material.m]\ntype = 'dielectric'\nabbe = 0\n", "material.m.abbe: an Abbe number of 0")]
-    {
+    let lit =
+        "[material.m]\ntype = 'diffuse'\n[[light]]\ntype = 'point'\nposition = [0, 4, 0]\nintensity = 1\n";
+    let cold = format!("{lit}temperature = 0\n");
+    for (more, part) in [
+        ("[material.m]\ntype = 'dielectric'\nabbe = 0\n", "material.m.abbe: an Abbe number of 0"),
+        (&cold, "light[0].temperature: a temperature of 0 K"),
+    ] {
         fs::write(folder.path("scene.toml"), text(more)).unwrap();
         folder.refuses(&["render", "scene.toml", "-o", "a.exr"], 2, part);
         folder.refuses(&["plan", "scene.toml"], 2, part);
