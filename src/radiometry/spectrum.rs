@@ -8,6 +8,7 @@ pub mod illuminant;
 pub mod lamp;
 pub mod medium_table;
 pub mod observer;
+pub mod regular;
 pub mod table;
 pub mod upsampling;
 
@@ -72,6 +73,11 @@ impl<const N: usize> Spectrum<N> {
     /// True if every channel is exactly 0.
     pub fn is_black(self) -> bool {
         self.0.into_iter().all(|x| x == 0.0)
+    }
+
+    /// True if all channels are the same.
+    pub fn is_gray(self) -> bool {
+        self.0.iter().all(|x| *x == self.0[0])
     }
 
     /// True if no channel is infinite or NaN.

@@ -98,32 +98,113 @@ impl BoundedSpectrum {
     }
 }
 
-/// An emission by wavelength: D65, filtered and scaled.
+/// A quantity without an upper bound by wavelength: a bounded spectrum, scaled.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EmissionSpectrum {
+pub struct ScaledSpectrum {
     scale: f32,
-    filter: BoundedSpectrum,
+    share: BoundedSpectrum,
 }
 
-impl EmissionSpectrum {
-    /// The emission that has the colour `rgb` (linear Rec.709), D65 being white.
+impl ScaledSpectrum {
+    /// The spectrum of the values `rgb` (linear Rec.709): of what differs from grey as a reflectance under D65 does.
     ///
     /// # Errors
     /// If a channel is not finite or negative.
     pub fn fit(rgb: Rgb) -> Result<Self, UpsamplingError> {
-        if !(rgb.is_finite() && rgb.min_component() >= 0.0) {
-            return Err(UpsamplingError::Negative(rgb.0));
-        }
-        // Half, where the filter is smoothest.
-        let scale = 2.0 * rgb.max_component().min(0.5 * f32::MAX);
-        let share = if scale > 0.0 { rgb / scale } else { Rgb::ZERO };
-        Ok(Self { scale, filter: BoundedSpectrum::fit(share)? })
+        let (scale, share) = split(rgb)?;
+        Ok(Self { scale, share: BoundedSpectrum::fit(share)? })
     }
 
-    /// The emission at `nanometres`, per nanometre on the scale on which constant 1 has Y = 1.
+    /// The value at `nanometres`.
     pub fn value(&self, nanometres: f32) -> f32 {
-        let daylight = Illuminant::D65.relative_power(f64::from(nanometres)) / *WHITE_LUMINANCE;
-        self.scale * self.filter.value(nanometres) * daylight as f32
+        self.scale * self.share.value(nanometres)
+    }
+
+    /// The value at `nanometres` of the emission that has the colour `rgb`, D65 being white; per nanometre on the scale on which
+    /// constant 1 has Y = 1.
+    pub fn emission(&self, nanometres: f32) -> f32 {
+        self.value(nanometres) * daylight(nanometres)
+    }
+}
+
+/// A scale and a share of it, that are `rgb` together.
+///
+/// # Errors
+/// If a channel is not finite or negative.
+fn split(rgb: Rgb) -> Result<(f32, Rgb), UpsamplingError> {
+    if !(rgb.is_finite() && rgb.min_component() >= 0.0) {
+        return Err(UpsamplingError::Negative(rgb.0));
+    }
+    // Half, where a share is smoothest.
+    let scale = 2.0 * rgb.max_component().min(0.5 * f32::MAX);
+    Ok((scale, if scale > 0.0 { rgb / scale } else { Rgb::ZERO }))
+}
+
+/// Power of D65 at `nanometres`, its Y being 1 on the scale on which constant 1 has Y = 1.
+pub fn daylight(nanometres: f32) -> f32 {
+    (Illuminant::D65.relative_power(f64::from(nanometres)) / *WHITE_LUMINANCE) as f32
+}
+
+/// Spectra of the colours of a lattice, for colours that are known only when they are met.
+///
+/// Between the points of the lattice spectra are blended. As a colour is linear in its spectrum, and a colour the same blend
+/// of the colours around it, the colour of a blend is the one asked for.
+#[derive(Clone, Debug)]
+pub struct UpsamplingTable {
+    fits: Vec<BoundedSpectrum>,
+}
+
+/// Points of the lattice along a channel.
+const POINTS: usize = 9;
+
+impl UpsamplingTable {
+    /// Fits all of it: some 0.02 s.
+    ///
+    /// # Errors
+    /// That of [`BoundedSpectrum::fit`], which colours of the lattice do not have.
+    pub fn new() -> Result<Self, UpsamplingError> {
+        let channel = |i: usize| i as f32 / (POINTS - 1) as f32;
+        let color = |i: usize| {
+            Rgb::new(channel(i / (POINTS * POINTS)), channel(i / POINTS % POINTS), channel(i % POINTS))
+        };
+        let fits: Result<_, _> = (0..POINTS.pow(3)).map(|i| BoundedSpectrum::fit(color(i))).collect();
+        Ok(Self { fits: fits? })
+    }
+
+    /// The shares at some wavelengths (nm) of a surface that has the colour `rgb` under D65. Channels are taken within [0, 1].
+    pub fn shares<const N: usize>(&self, rgb: Rgb, nanometres: [f32; N]) -> [f32; N] {
+        let mut shares = [0.0; N];
+        for (weight, fit) in self.around(rgb) {
+            for (share, nanometres) in shares.iter_mut().zip(nanometres) {
+                *share += weight * fit.value(nanometres);
+            }
+        }
+        shares
+    }
+
+    /// The same of an emission of the colour `rgb` that is not negative, per unit of [`daylight`].
+    pub fn filters<const N: usize>(&self, rgb: Rgb, nanometres: [f32; N]) -> [f32; N] {
+        let scale = 2.0 * rgb.max_component().clamp(0.0, 0.5 * f32::MAX);
+        let share = if scale > 0.0 { rgb / scale } else { Rgb::ZERO };
+        self.shares(share, nanometres).map(|share| share * scale)
+    }
+
+    /// The corners of the tetrahedron around `rgb` and their weights.
+    fn around(&self, rgb: Rgb) -> [(f32, BoundedSpectrum); 4] {
+        let steps = [POINTS * POINTS, POINTS, 1];
+        let (mut corner, mut rest) = (0, [(0.0, 0); 3]);
+        for ((rest, channel), step) in rest.iter_mut().zip(rgb.0).zip(steps) {
+            let place = channel.clamp(0.0, 1.0) * (POINTS - 1) as f32;
+            let low = (place as usize).min(POINTS - 2);
+            corner += low * step;
+            *rest = (place - low as f32, step);
+        }
+        // From the lowest corner to the highest, first along the channel that is farthest on.
+        rest.sort_unstable_by(|(a, _), (b, _)| b.total_cmp(a));
+        let [(first, a), (second, b), (third, c)] = rest;
+        let weights = [1.0 - first, first - second, second - third, third];
+        let corners = [corner, corner + a, corner + a + b, corner + a + b + c];
+        std::array::from_fn(|i| (weights[i], self.fits[corners[i]]))
     }
 }
 
@@ -235,13 +316,38 @@ mod tests {
     #[test]
     fn emission_has_its_color_at_any_power() {
         for rgb in [Rgb::new(3.0, 2.0, 1.0), Rgb::new(1e-6, 0.0, 0.0), Rgb::new(0.0, 4e9, 1e9), Rgb::ZERO] {
-            let emission = EmissionSpectrum::fit(rgb).unwrap();
-            let got = seen(|nanometres| emission.value(nanometres));
+            let emission = ScaledSpectrum::fit(rgb).unwrap();
+            let got = seen(|nanometres| emission.emission(nanometres));
             let scale = f64::from(rgb.max_component());
             for c in 0..3 {
                 // Lab distance 1e-4 of a colour of lightness 76; steps of 1 nm where the fit has 5 nm.
                 let error = (got[c] - f64::from(rgb[c])).abs();
                 assert!(error <= 5e-3 * scale, "{rgb:?}: {got}");
+            }
+        }
+    }
+
+    /// Blends between colours have the colours between them, to what the fits leave, and stay within bounds.
+    #[test]
+    fn blends_have_their_color() {
+        let table = UpsamplingTable::new().unwrap();
+        let mut random = HashGenerator::new(7);
+        for i in 0..200 {
+            let rgb = if i < 8 {
+                Rgb::from_fn(|c| (i >> c & 1) as f32)
+            } else {
+                Rgb::from_fn(|_| random.next_f32())
+            };
+            let share = |nanometres: f32| table.shares(rgb, [nanometres])[0];
+            for nanometres in (360..=830).step_by(10) {
+                assert!((0.0..=1.0 + f32::EPSILON).contains(&share(nanometres as f32)), "{rgb:?}");
+            }
+            let got = seen(|nanometres| share(nanometres) * daylight(nanometres));
+            let bright = seen(|nanometres| table.filters(rgb * 7.0, [nanometres])[0] * daylight(nanometres));
+            for c in 0..3 {
+                // As for a fit: what it leaves of a colour, in steps of 1 nm where it has 5 nm.
+                assert!((got[c] - f64::from(rgb[c])).abs() < 5e-3, "{rgb:?}: {got}");
+                assert!((bright[c] / 7.0 - f64::from(rgb[c])).abs() < 5e-3, "{rgb:?}: {bright}");
             }
         }
     }
@@ -252,7 +358,7 @@ mod tests {
             assert!(BoundedSpectrum::fit(Rgb::new(0.5, channel, 0.5)).is_err(), "{channel}");
         }
         for channel in [-0.1, f32::NAN, f32::INFINITY] {
-            assert!(EmissionSpectrum::fit(Rgb::new(0.5, 0.5, channel)).is_err(), "{channel}");
+            assert!(ScaledSpectrum::fit(Rgb::new(0.5, 0.5, channel)).is_err(), "{channel}");
         }
     }
 }
