@@ -14,6 +14,7 @@ use alabaster::raycast::{Hit, Ray, RayCaster};
 use alabaster::scene::{Method, read_scene};
 use alabaster::transport::ProbeCounters;
 use alabaster::transport::area_integral::AreaIntegral;
+use alabaster::transport::basis::Tristimulus;
 use alabaster::transport::light_choice::Receiver;
 use alabaster::transport::light_sampling::LightSampler;
 use alabaster::transport::spread::{Channels, Spread};
@@ -124,7 +125,12 @@ fn bench_light_sampling(criterion: &mut Criterion, world: &World<EmbreeCaster>, 
         bencher.iter(|| {
             next = (next + 1) % POINTS;
             let u = [random.next_f32(), random.next_f32(), random.next_f32()];
-            black_box(lights.sample::<_, { Abilities::ALL.bits() }>(world, &receivers[next], u))
+            black_box(lights.sample::<_, _, 3, { Abilities::ALL.bits() }>(
+                &Tristimulus,
+                world,
+                &receivers[next],
+                u,
+            ))
         });
     });
 }

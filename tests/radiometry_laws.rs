@@ -8,11 +8,11 @@ use alabaster::math::sampler::HashGenerator;
 use alabaster::radiometry::{
     Irradiance, ProjectedSolidAngle, Radiance, RadiantFlux, RadiantIntensity, Rgb, SolidAngle,
 };
-use alabaster::scene::{Camera, ColorInput, Light, Material, Scene, Surface, shape};
+use alabaster::scene::{Camera, ColorInput, ColorMode, Instance, Light, Material, Scene, Surface, shape};
 use alabaster::study::laws::neumann_orders;
 use alabaster::transport::{Counters, RenderOptions, Renderer, Unbalanced};
 use common::scenes::{Caster, Statistics, body, caster, furnace, options, renderer};
-use glam::{DVec3, Vec3};
+use glam::{Affine3A, DVec3, Vec3};
 
 /// Reflectance of everything that serves to measure irradiance.
 const REFLECTANCE: f64 = 0.5;
@@ -248,6 +248,33 @@ fn what_a_lamp_emits_is_absorbed_or_leaves() {
         assert_eq!(balance.entered.value[c], 0.0);
         let spent = balance.absorbed.value[c] + balance.escaped.value[c] + balance.scattered_out.value[c];
         assert!((emitted - spent - balance.residual.value[c]).abs() < 1e-6 * emitted, "{balance:?}");
+    }
+}
+
+/// However small the lamps, by colours and by wavelengths.
+#[test]
+fn the_power_of_small_lamps_is_accounted_for() {
+    for mode in [ColorMode::Rgb, ColorMode::Spectral] {
+        let lamp = |x: f32, radiance: Rgb| Light::Sphere {
+            center: Vec3::new(x, 1.5, 0.2),
+            radius: 5e-3,
+            radiance: radiance.into(),
+        };
+        let lamps = vec![lamp(0.7, Rgb::new(3e4, 2e4, 1e4)), lamp(-0.7, Rgb::splat(1e4))];
+        let mut scene = lit(shape::quad(Vec3::NEG_Y, Vec3::Z * 2.0, Vec3::X * 2.0), lamps);
+        scene.meshes.push(shape::sphere(Vec3::ZERO, 1.0, 4));
+        scene.materials.push(body(1.4, 0.3, 0.05));
+        let ball = Instance { name: "ball".into(), mesh: 1, material: 1, transform: Affine3A::IDENTITY };
+        scene.instances.push(ball);
+        scene.render.color_mode = mode;
+        let balance = renderer(scene).power_balance(40_000).unwrap();
+        println!("{mode:?}: {:?}", balance.residual);
+        assert!(balance.sigmas() <= 3.0, "{balance:?}");
+        for c in 0..3 {
+            let emitted = balance.emitted.value[c];
+            assert!(balance.residual.stderr[c] < 0.03 * emitted, "{balance:?}");
+            assert!(balance.absorbed.value[c] > 0.0, "{balance:?}");
+        }
     }
 }
 

@@ -115,7 +115,7 @@ impl From<ForceError> for CliError {
 impl From<RenderError> for CliError {
     fn from(error: RenderError) -> Self {
         match error {
-            RenderError::Scatterer(_) | RenderError::LeftOut => Self::input(error),
+            RenderError::Scatterer(_) | RenderError::Spectra(_) | RenderError::LeftOut => Self::input(error),
             RenderError::Force(error) => error.into(),
             RenderError::Raycast(_) => Self::machine(error),
         }

@@ -9,7 +9,7 @@ use super::metal::Metal;
 use super::metallic_roughness::MetallicRoughness;
 use super::plastic::Plastic;
 use crate::math::warp::{cosine_hemisphere_density, square_to_cosine_hemisphere};
-use crate::radiometry::Rgb;
+use crate::radiometry::Spectrum;
 
 /// How a surface scatters.
 ///
@@ -21,31 +21,31 @@ use crate::radiometry::Rgb;
 ///
 /// Opaque reflection acts alike on both sides of the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Bsdf {
+pub enum Bsdf<const N: usize = 3> {
     /// Lambert.
     Diffuse {
         /// Diffuse reflectance in [0, 1].
-        reflectance: Rgb,
+        reflectance: Spectrum<N>,
     },
     /// A conductor.
-    Metal(Metal),
+    Metal(Metal<N>),
     /// The interface of a clear body.
-    Dielectric(Dielectric),
+    Dielectric(Dielectric<N>),
     /// A thin clear wall.
-    ThinDielectric(ThinDielectric),
+    ThinDielectric(ThinDielectric<N>),
     /// A diffuse base under a dielectric coat.
-    Plastic(Plastic),
+    Plastic(Plastic<N>),
     /// glTF 2.0.
-    MetallicRoughness(MetallicRoughness),
+    MetallicRoughness(MetallicRoughness<N>),
 }
 
 /// A direction drawn from a [`Bsdf`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsdfSample {
+pub struct BsdfSample<const N: usize = 3> {
     /// Where the light comes from; unit.
     pub direction: Vec3,
     /// f·|cos| / density, over every lobe that could have given this direction.
-    pub weight: Rgb,
+    pub weight: Spectrum<N>,
     /// Density per solid angle, equal to [`Bsdf::density`]; for a delta lobe its discrete probability.
     pub density: f32,
     /// True if the direction comes from a delta lobe, which no light sampling can find.
@@ -57,16 +57,16 @@ pub struct BsdfSample {
     pub crosses_boundary: bool,
 }
 
-impl BsdfSample {
+impl<const N: usize> BsdfSample<N> {
     /// A sample on the side of `wo`.
-    pub(super) fn reflected(direction: Vec3, weight: Rgb, density: f32, delta: bool) -> Self {
+    pub(super) fn reflected(direction: Vec3, weight: Spectrum<N>, density: f32, delta: bool) -> Self {
         Self { direction, weight, density, delta, transmitted: false, crosses_boundary: false }
     }
 
     /// A sample on the other side, in another medium if `crosses_boundary`.
     pub(super) fn transmitted(
         direction: Vec3,
-        weight: Rgb,
+        weight: Spectrum<N>,
         density: f32,
         delta: bool,
         crosses_boundary: bool,
@@ -75,12 +75,21 @@ impl BsdfSample {
     }
 }
 
-impl Bsdf {
+impl BsdfSample<1> {
+    /// The same in all of `N` channels.
+    pub(super) fn splat<const N: usize>(self) -> BsdfSample<N> {
+        let Self { direction, weight, density, delta, transmitted, crosses_boundary } = self;
+        let weight = Spectrum::splat(weight[0]);
+        BsdfSample { direction, weight, density, delta, transmitted, crosses_boundary }
+    }
+}
+
+impl<const N: usize> Bsdf<N> {
     /// f(`wo`, `wi`)·|cos_i|, 1/sr; delta lobes are left out.
-    pub fn evaluate(&self, wo: Vec3, wi: Vec3) -> Rgb {
+    pub fn evaluate(&self, wo: Vec3, wi: Vec3) -> Spectrum<N> {
         match self {
             Self::Diffuse { reflectance } if wo.z * wi.z > 0.0 => *reflectance * (wi.z.abs() / PI),
-            Self::Diffuse { .. } => Rgb::ZERO,
+            Self::Diffuse { .. } => Spectrum::ZERO,
             Self::Metal(metal) => metal.evaluate(wo, wi),
             Self::Dielectric(dielectric) => dielectric.evaluate(wo, wi),
             Self::ThinDielectric(dielectric) => dielectric.evaluate(wo, wi),
@@ -105,7 +114,7 @@ impl Bsdf {
 
     /// Draws where the light that leaves along `wo` comes from; `u[2]` chooses among lobes. Nothing
     /// means that this draw carries no light.
-    pub fn sample(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
+    pub fn sample(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample<N>> {
         match self {
             Self::Diffuse { reflectance } => sample_diffuse(*reflectance, wo, [u[0], u[1]]),
             Self::Metal(metal) => metal.sample(wo, [u[0], u[1]]),
@@ -152,7 +161,7 @@ impl Bsdf {
     }
 }
 
-fn sample_diffuse(reflectance: Rgb, wo: Vec3, u: [f32; 2]) -> Option<BsdfSample> {
+fn sample_diffuse<const N: usize>(reflectance: Spectrum<N>, wo: Vec3, u: [f32; 2]) -> Option<BsdfSample<N>> {
     let wi = square_to_cosine_hemisphere(u[0], u[1]);
     let density = cosine_hemisphere_density(wi.z);
     (density > 0.0 && wo.z != 0.0)

@@ -5,18 +5,18 @@ use glam::Vec3;
 use super::bsdf::{BsdfSample, mirrored, to_side};
 use super::fresnel::{fresnel_dielectric, reflect, refracted};
 use super::microfacet::{Ggx, is_smooth};
-use crate::radiometry::Rgb;
+use crate::radiometry::Spectrum;
 
 /// A dielectric interface, smooth or with GGX microfacets (Walter et al. 2007), with Smith's
 /// height-correlated G₂ in reflection and transmission alike (as pbrt-v4 does).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dielectric {
+pub struct Dielectric<const N: usize = 3> {
     /// n_inside / n_outside.
     pub eta: f32,
     /// GGX width, roughness².
     pub alpha: f32,
     /// Factor on every transmission, in [0, 1].
-    pub tint: Rgb,
+    pub tint: Spectrum<N>,
 }
 
 /// Refraction spreads a lobe by about α·|eta − 1|, while two single-precision directions define the half
@@ -25,18 +25,18 @@ pub struct Dielectric {
 /// treated as smooth, and eta = 1 passes light unchanged.
 const SMALLEST_REFRACTION_SPREAD: f32 = 1e-4;
 
-impl Dielectric {
+impl<const N: usize> Dielectric<N> {
     /// True if both lobes are delta lobes.
     pub fn is_smooth(&self) -> bool {
         is_smooth(self.alpha) || self.alpha * (self.eta - 1.0).abs() < SMALLEST_REFRACTION_SPREAD
     }
 
     /// f·|cos_i|, 1/sr, for radiance.
-    pub fn evaluate(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        let Some(facet) = self.facet(wo, wi) else { return Rgb::ZERO };
+    pub fn evaluate(&self, wo: Vec3, wi: Vec3) -> Spectrum<N> {
+        let Some(facet) = self.facet(wo, wi) else { return Spectrum::ZERO };
         let base = facet.distribution * self.ggx().shadowing_over_cos(wo.z.abs(), wi.z.abs());
         match facet.transmission {
-            None => Rgb::splat(0.25 * base * facet.share),
+            None => Spectrum::splat(0.25 * base * facet.share),
             Some(Transmission { cos_t, squared_contrast, .. }) => {
                 self.tint * (base * facet.share * facet.cos_o * cos_t / squared_contrast)
             }
@@ -50,7 +50,7 @@ impl Dielectric {
 
     /// Chooses a visible microfacet, then reflects or refracts at it in proportion to its Fresnel
     /// reflectance. Nothing if the result is on the wrong side of the surface.
-    pub fn sample(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
+    pub fn sample(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample<N>> {
         if wo.z == 0.0 {
             return None;
         }
@@ -77,7 +77,7 @@ impl Dielectric {
         if reflects {
             let facet = Facet { cos_o, distribution, share: fresnel.reflectance, transmission: None };
             let density = self.facet_density(upper, &facet);
-            return Some(BsdfSample::reflected(direction, Rgb::splat(shadowing), density, false));
+            return Some(BsdfSample::reflected(direction, Spectrum::splat(shadowing), density, false));
         }
         let transmission = Transmission::new(cos_o, fresnel.cos_t.abs(), relative_eta);
         let facet =
@@ -106,10 +106,10 @@ impl Dielectric {
         if cos_o > 0.0 { kept } else { 0.0 }
     }
 
-    fn sample_smooth(&self, wo: Vec3, u: f32) -> BsdfSample {
+    fn sample_smooth(&self, wo: Vec3, u: f32) -> BsdfSample<N> {
         let fresnel = fresnel_dielectric(wo.z, self.eta);
         if u < fresnel.reflectance {
-            return BsdfSample::reflected(mirrored(wo), Rgb::ONE, fresnel.reflectance, true);
+            return BsdfSample::reflected(mirrored(wo), Spectrum::ONE, fresnel.reflectance, true);
         }
         let relative_eta = self.relative_eta(wo);
         let direction = refracted(to_side(wo, wo.z), Vec3::Z, relative_eta, wo.z.abs(), -fresnel.cos_t.abs());
@@ -192,30 +192,30 @@ impl Transmission {
 /// A thin clear wall: reflection as [`Dielectric`], transmission straight on, blurred by the same lobe
 /// mirrored to the other side (KHR_materials_transmission). The medium is the same on both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ThinDielectric {
+pub struct ThinDielectric<const N: usize = 3> {
     /// n of the wall over n around it.
     pub eta: f32,
     /// GGX width, roughness².
     pub alpha: f32,
     /// Factor on every transmission, in [0, 1].
-    pub tint: Rgb,
+    pub tint: Spectrum<N>,
 }
 
-impl ThinDielectric {
+impl<const N: usize> ThinDielectric<N> {
     /// True if both lobes are delta lobes.
     pub fn is_smooth(&self) -> bool {
         is_smooth(self.alpha)
     }
 
     /// f·|cos_i|, 1/sr.
-    pub fn evaluate(&self, wo: Vec3, wi: Vec3) -> Rgb {
+    pub fn evaluate(&self, wo: Vec3, wi: Vec3) -> Spectrum<N> {
         if self.is_smooth() || wo.z * wi.z == 0.0 {
-            return Rgb::ZERO;
+            return Spectrum::ZERO;
         }
         let (value, cos) = self.ggx().reflection(to_side(wo, wo.z), to_side(wi, wi.z));
         let fresnel = fresnel_dielectric(cos, self.eta);
         if wo.z * wi.z > 0.0 {
-            Rgb::splat(value * fresnel.reflectance)
+            Spectrum::splat(value * fresnel.reflectance)
         } else {
             self.tint * (value * fresnel.transmittance)
         }
@@ -234,7 +234,7 @@ impl ThinDielectric {
 
     /// Reflects at a visible microfacet, then mirrors the result to the other side with the
     /// probability of transmission.
-    pub fn sample(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
+    pub fn sample(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample<N>> {
         if wo.z == 0.0 {
             return None;
         }
@@ -249,7 +249,12 @@ impl ThinDielectric {
         let fresnel = fresnel_dielectric(cos, self.eta);
         Some(if u[2] < fresnel.reflectance {
             let density = density * fresnel.reflectance;
-            BsdfSample::reflected(to_side(direction, wo.z), Rgb::splat(weight), density, self.is_smooth())
+            BsdfSample::reflected(
+                to_side(direction, wo.z),
+                Spectrum::splat(weight),
+                density,
+                self.is_smooth(),
+            )
         } else {
             let density = density * fresnel.transmittance;
             let direction = to_side(direction, -wo.z);

@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 use glam::Vec3;
 
 use crate::math::quadrature::GaussLegendre;
-use crate::radiometry::Rgb;
+use crate::radiometry::Spectrum;
 
 /// What an interface does with unpolarised light that arrives at one angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,7 +111,7 @@ pub fn schlick_weight(cos: f32) -> f32 {
 }
 
 /// Reflectance of a conductor with normal-incidence reflectance `f0` (Schlick 1994, eq. 24).
-pub fn fresnel_conductor_schlick(f0: Rgb, cos: f32) -> Rgb {
+pub fn fresnel_conductor_schlick<const N: usize>(f0: Spectrum<N>, cos: f32) -> Spectrum<N> {
     let weight = schlick_weight(cos);
     f0.map(|f| f + (1.0 - f) * weight)
 }

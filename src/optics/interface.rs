@@ -7,7 +7,7 @@ use super::bsdf::BsdfSample;
 use super::dielectric::Dielectric;
 use crate::math::quadrature::GaussLegendre;
 use crate::math::robust::safe_sqrt;
-use crate::radiometry::Rgb;
+use crate::radiometry::Spectrum;
 
 /// A [`Dielectric`] whose lobes are divided by the share that they keep of light from each direction, so that none is
 /// lost: what single scattering at microfacets drops is distributed like what it keeps. A walk meets the boundary of its
@@ -18,7 +18,8 @@ use crate::radiometry::Rgb;
 /// of directions differ by the ratio of the shares.
 #[derive(Clone, Debug)]
 pub struct Interface {
-    dielectric: Dielectric,
+    /// Of one channel: it has no colour.
+    dielectric: Dielectric<1>,
     /// Shares kept of light seen from outside and from inside, over the cosine; `None` if smooth, where none is lost.
     kept: Option<[CosineTable; 2]>,
 }
@@ -33,7 +34,7 @@ impl Interface {
     /// The interface of relative index `eta` = n_inside/n_outside and GGX width `alpha`. A rough one tabulates its shares
     /// (some 0.1 s).
     pub fn new(eta: f32, alpha: f32) -> Self {
-        let dielectric = Dielectric { eta, alpha, tint: Rgb::ONE };
+        let dielectric = Dielectric { eta, alpha, tint: Spectrum::ONE };
         let table = |side: f32| {
             // Seen from the denser side light is totally reflected below the critical cosine.
             let relative = if side < 0.0 { 1.0 / eta } else { eta };
@@ -51,27 +52,28 @@ impl Interface {
     }
 
     /// f·|cos_i|, 1/sr, for radiance.
-    pub fn evaluate(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        self.dielectric.evaluate(wo, wi) / self.share_kept(wo)
+    pub fn evaluate(&self, wo: Vec3, wi: Vec3) -> f32 {
+        self.dielectric.evaluate(wo, wi)[0] / self.share_kept(wo)
     }
 
     /// Density of [`Self::sample`] per solid angle.
     pub fn density(&self, wo: Vec3, wi: Vec3) -> f32 {
         // What is drawn has a weight of 1 in power.
-        self.evaluate(wo, wi).max_component() * self.power_per_radiance(wo, wo.z * wi.z < 0.0)
+        self.evaluate(wo, wi) * self.power_per_radiance(wo, wo.z * wi.z < 0.0)
     }
 
     /// Draws where light that leaves along `wo` comes from; `draw` gives numbers in [0, 1).
-    pub fn sample(&self, wo: Vec3, mut draw: impl FnMut() -> f32) -> Option<BsdfSample> {
+    pub fn sample<const N: usize>(&self, wo: Vec3, mut draw: impl FnMut() -> f32) -> Option<BsdfSample<N>> {
         if self.is_smooth() {
-            return self.dielectric.sample(wo, [0.0, 0.0, draw()]);
+            return self.dielectric.sample(wo, [0.0, 0.0, draw()]).map(BsdfSample::splat);
         }
         for _ in 0..MOST_DRAWS {
             let Some(sample) = self.dielectric.sample(wo, [draw(), draw(), draw()]) else { continue };
             let power = self.power_per_radiance(wo, sample.transmitted);
-            if draw() < sample.weight.max_component() * power {
+            if draw() < sample.weight[0] * power {
                 let density = self.density(wo, sample.direction);
-                return Some(BsdfSample { weight: Rgb::splat(1.0 / power), density, ..sample });
+                let weight = Spectrum([1.0 / power]);
+                return Some(BsdfSample { weight, density, ..sample }.splat());
             }
         }
         None
@@ -91,7 +93,7 @@ impl Interface {
 }
 
 /// The share of light kept by `dielectric` of what it scatters towards cosine `mu` on the side `side` (±1).
-fn share_kept(dielectric: &Dielectric, mu: f32, side: f32) -> f64 {
+fn share_kept(dielectric: &Dielectric<1>, mu: f32, side: f32) -> f64 {
     const RADII: usize = 32;
     const AZIMUTHS: usize = 48;
     let rule = GaussLegendre::new(RADII);
@@ -122,7 +124,7 @@ mod tests {
                 const DRAWS: usize = 20_000;
                 let (mut up, mut integral, mut squares) = (0.0, 0.0, 0.0);
                 for _ in 0..DRAWS {
-                    let sample =
+                    let sample: BsdfSample =
                         interface.sample(wo, || random.next_f32()).expect("half is kept of each draw");
                     // E[1_up(wi)] by the draws, and by the density of draws of the single-scattering lobe.
                     up += f64::from(u8::from(sample.direction.z > 0.0)) / DRAWS as f64;

@@ -5,28 +5,28 @@ use glam::Vec3;
 use super::bsdf::{BsdfSample, mirrored, to_side};
 use super::fresnel::fresnel_conductor_schlick;
 use super::microfacet::{Ggx, is_smooth};
-use crate::radiometry::Rgb;
+use crate::radiometry::Spectrum;
 
 /// A conductor under GGX microfacets, Fresnel by Schlick. Light that would leave after a second
 /// microfacet is lost: a rough metal reflects somewhat less than a smooth one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Metal {
+pub struct Metal<const N: usize = 3> {
     /// Reflectance at normal incidence, in [0, 1].
-    pub reflectance_normal: Rgb,
+    pub reflectance_normal: Spectrum<N>,
     /// GGX width, roughness².
     pub alpha: f32,
 }
 
-impl Metal {
+impl<const N: usize> Metal<N> {
     /// True if reflection is a mirror.
     pub fn is_smooth(&self) -> bool {
         is_smooth(self.alpha)
     }
 
     /// f·|cos_i|, 1/sr.
-    pub fn evaluate(&self, wo: Vec3, wi: Vec3) -> Rgb {
+    pub fn evaluate(&self, wo: Vec3, wi: Vec3) -> Spectrum<N> {
         if self.is_smooth() || wo.z * wi.z <= 0.0 {
-            return Rgb::ZERO;
+            return Spectrum::ZERO;
         }
         let (value, cos) = self.ggx().reflection(to_side(wo, wo.z), to_side(wi, wo.z));
         fresnel_conductor_schlick(self.reflectance_normal, cos) * value
@@ -41,7 +41,7 @@ impl Metal {
     }
 
     /// Reflects at a visible microfacet.
-    pub fn sample(&self, wo: Vec3, u: [f32; 2]) -> Option<BsdfSample> {
+    pub fn sample(&self, wo: Vec3, u: [f32; 2]) -> Option<BsdfSample<N>> {
         if wo.z == 0.0 {
             return None;
         }

@@ -7,14 +7,14 @@ use super::bsdf::{Bsdf, BsdfSample};
 use super::dielectric::{Dielectric, ThinDielectric};
 use super::metal::Metal;
 use super::plastic::Plastic;
-use crate::radiometry::Rgb;
+use crate::radiometry::Spectrum;
 
 /// glTF's nested `mix`es, multiplied out: a metal, a clear dielectric and a coated diffuse base, each
 /// with its share, which sum to 1. All colours and shares are in [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MetallicRoughness {
+pub struct MetallicRoughness<const N: usize = 3> {
     /// Base colour: of the diffuse base, of the metal at normal incidence, of specular transmission.
-    pub base_color: Rgb,
+    pub base_color: Spectrum<N>,
     /// Share of metal.
     pub metallic: f32,
     /// GGX width, roughness².
@@ -26,15 +26,15 @@ pub struct MetallicRoughness {
     /// Share of the remaining base that transmits diffusely instead of reflecting.
     pub diffuse_transmission: f32,
     /// Colour of diffuse transmission.
-    pub diffuse_transmission_color: Rgb,
+    pub diffuse_transmission_color: Spectrum<N>,
     /// True if the surface is a thin wall: specular transmission goes straight on, no medium changes.
     pub thin: bool,
 }
 
-impl MetallicRoughness {
+impl<const N: usize> MetallicRoughness<N> {
     /// f·|cos_i|, 1/sr; delta lobes are left out.
-    pub fn evaluate(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        let mut sum = Rgb::ZERO;
+    pub fn evaluate(&self, wo: Vec3, wi: Vec3) -> Spectrum<N> {
+        let mut sum = Spectrum::ZERO;
         for (share, part) in self.parts() {
             if share > 0.0 {
                 sum += part.evaluate(wo, wi) * share;
@@ -47,14 +47,14 @@ impl MetallicRoughness {
     pub fn density(&self, wo: Vec3, wi: Vec3) -> f32 {
         let parts = self.parts();
         let chances = chances(&parts, wo);
-        let density = |(chance, (_, part)): (f32, &(f32, Bsdf))| {
+        let density = |(chance, (_, part)): (f32, &(f32, Bsdf<N>))| {
             if chance > 0.0 { chance * part.density(wo, wi) } else { 0.0 }
         };
         chances.into_iter().zip(&parts).map(density).sum()
     }
 
     /// Chooses a part, draws from it, and weights the draw by what all parts do in that direction.
-    pub fn sample(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
+    pub fn sample(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample<N>> {
         let parts = self.parts();
         let chances = chances(&parts, wo);
         let (chosen, rest) = choose(&chances, u[2])?;
@@ -81,7 +81,7 @@ impl MetallicRoughness {
         self.parts().iter().all(|(share, part)| *share <= 0.0 || part.is_delta_only())
     }
 
-    fn parts(&self) -> [(f32, Bsdf); 3] {
+    fn parts(&self) -> [(f32, Bsdf<N>); 3] {
         let Self { base_color, metallic, alpha, eta, transmission, .. } = *self;
         let dielectric = 1.0 - metallic;
         let metal = Metal { reflectance_normal: base_color, alpha };
@@ -107,7 +107,7 @@ impl MetallicRoughness {
 }
 
 /// Probability of each part: its share times a guess of its albedo. All 0 if nothing is scattered.
-fn chances(parts: &[(f32, Bsdf); 3], wo: Vec3) -> [f32; 3] {
+fn chances<const N: usize>(parts: &[(f32, Bsdf<N>); 3], wo: Vec3) -> [f32; 3] {
     let shares = parts.each_ref().map(|(share, _)| *share);
     if shares.iter().filter(|&&share| share > 0.0).count() == 1 {
         return shares.map(|share| if share > 0.0 { 1.0 } else { 0.0 });

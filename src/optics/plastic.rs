@@ -9,7 +9,7 @@ use super::bsdf::{BsdfSample, mirrored, to_side};
 use super::fresnel::schlick_weight;
 use super::microfacet::{Ggx, is_smooth};
 use crate::math::warp::{cosine_hemisphere_density, square_to_cosine_hemisphere};
-use crate::radiometry::Rgb;
+use crate::radiometry::Spectrum;
 
 /// GGX reflection with Schlick's Fresnel factor over a base that reflects and transmits diffusely.
 ///
@@ -19,15 +19,15 @@ use crate::radiometry::Rgb;
 /// white base reflects the rest, less a guard of about 0.1 % against errors of the albedo table, so that
 /// the sum never exceeds 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plastic {
+pub struct Plastic<const N: usize = 3> {
     /// Reflectance of the coat at normal incidence.
     pub reflectance_normal: f32,
     /// GGX width, roughness².
     pub alpha: f32,
     /// Share of the light in the base that is reflected diffusely; with `transmittance` at most 1.
-    pub reflectance: Rgb,
+    pub reflectance: Spectrum<N>,
     /// Share of the light in the base that is transmitted diffusely.
-    pub transmittance: Rgb,
+    pub transmittance: Spectrum<N>,
     /// True if the surface is a thin wall, with the same medium on both sides.
     pub thin: bool,
 }
@@ -39,25 +39,25 @@ struct Choice {
     transmission: f32,
 }
 
-impl Plastic {
+impl<const N: usize> Plastic<N> {
     /// True if the base is black and the coat smooth.
     pub fn is_delta_only(&self) -> bool {
         is_smooth(self.alpha) && self.reflectance.is_black() && self.transmittance.is_black()
     }
 
     /// f·|cos_i|, 1/sr; without a smooth coat, which is a delta lobe.
-    pub fn evaluate(&self, wo: Vec3, wi: Vec3) -> Rgb {
+    pub fn evaluate(&self, wo: Vec3, wi: Vec3) -> Spectrum<N> {
         let base = self.base_factor(wo.z.abs(), wi.z.abs()) * wi.z.abs() / PI;
         if wo.z * wi.z < 0.0 {
             return self.transmittance * base;
         }
         if wo.z * wi.z == 0.0 {
-            return Rgb::ZERO;
+            return Spectrum::ZERO;
         }
         let mut value = self.reflectance * base;
         if !is_smooth(self.alpha) {
             let (coat, cos) = self.ggx().reflection(to_side(wo, wo.z), to_side(wi, wo.z));
-            value += Rgb::splat(coat * self.schlick(cos));
+            value += Spectrum::splat(coat * self.schlick(cos));
         }
         value
     }
@@ -81,11 +81,11 @@ impl Plastic {
     }
 
     /// Chooses the coat or one of the diffuse lobes by their albedos.
-    pub fn sample(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
+    pub fn sample(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample<N>> {
         let choice = self.choice(wo)?;
         let direction = if u[2] < choice.specular {
             if is_smooth(self.alpha) {
-                let weight = Rgb::splat(self.schlick(wo.z.abs()) / choice.specular);
+                let weight = Spectrum::splat(self.schlick(wo.z.abs()) / choice.specular);
                 return Some(BsdfSample::reflected(mirrored(wo), weight, choice.specular, true));
             }
             let sample = self.ggx().sample_reflection(to_side(wo, wo.z), [u[0], u[1]])?;

@@ -34,13 +34,14 @@ use std::cell::RefCell;
 use std::f32::consts::TAU;
 
 use glam::Vec3;
+use smallvec::SmallVec;
 
 use super::counters::ProbeCounters;
 use super::spread::{Channels, Spread};
 use crate::diffusion::Profile;
 use crate::math::sampler::HashGenerator;
 use crate::math::{Frame, SampleStream};
-use crate::radiometry::{Rgb, Spectrum};
+use crate::radiometry::Spectrum;
 use crate::raycast::{Hit, Ray, RayCaster};
 
 /// Share τ of the density on the disk below which crossings are included by chance only.
@@ -52,38 +53,41 @@ const MAX_LINES: u32 = 64;
 
 /// Where the light that leaves at x_o came in.
 #[derive(Clone, Copy, Debug)]
-pub struct EntryPoint {
+pub struct EntryPoint<const N: usize = 3> {
     /// The crossing; `None`: at x_o itself.
     pub hit: Option<Hit>,
     /// Weight per channel; expectation 1, mean over the channels by what they carry always 1.
-    pub weight: Rgb,
+    pub weight: Spectrum<N>,
 }
 
 /// A sheet crossed by a probe.
 #[derive(Clone, Copy, Debug)]
-pub struct Crossing {
+pub struct Crossing<const N: usize = 3> {
     /// Where.
     pub hit: Hit,
     /// Weight w_c per channel (for the profile cut at the body's diameter).
-    pub weight: Rgb,
+    pub weight: Spectrum<N>,
 }
 
+/// Crossings of a probe. Most have one or two; of more than a few the rest are on the heap.
+type Crossings<const N: usize> = SmallVec<[Crossing<N>; 8]>;
+
 thread_local! {
-    static BUFFERS: RefCell<(Vec<Hit>, Vec<Crossing>)> = const { RefCell::new((Vec::new(), Vec::new())) };
+    static HITS: RefCell<Vec<Hit>> = const { RefCell::new(Vec::new()) };
 }
 
 /// The area integral around one point.
-pub struct AreaIntegral<'a, C, N, P> {
+pub struct AreaIntegral<'a, C, G, P, const N: usize = 3> {
     /// Finds the crossings.
     pub caster: &'a C,
     /// Unit geometric normal of a hit triangle.
-    pub geometric_normal: N,
+    pub geometric_normal: G,
     /// The body.
     pub instance: u32,
     /// Profiles.
-    pub spread: &'a Spread<P>,
+    pub spread: &'a Spread<P, N>,
     /// What the channels carry.
-    pub channels: Channels,
+    pub channels: Channels<N>,
     /// x_o.
     pub position: Vec3,
     /// Bound on the error of the coordinates of x_o, m.
@@ -100,20 +104,26 @@ struct Line {
     cut: f32,
 }
 
-impl<C: RayCaster, N: Fn(&Hit) -> Vec3, P: Profile + Copy> AreaIntegral<'_, C, N, P> {
+impl<C, G, P, const N: usize> AreaIntegral<'_, C, G, P, N>
+where
+    C: RayCaster,
+    G: Fn(&Hit) -> Vec3,
+    P: Profile + Copy,
+{
     /// Draws where the light came in. Uses the places `set` and `set + 1` of the stream.
-    pub fn sample(&self, stream: &SampleStream, set: u32, counters: &mut ProbeCounters) -> EntryPoint {
-        BUFFERS.with_borrow_mut(|(hits, crossings)| {
+    pub fn sample(&self, stream: &SampleStream, set: u32, counters: &mut ProbeCounters) -> EntryPoint<N> {
+        let crossings = &mut Crossings::new();
+        HITS.with_borrow_mut(|hits| {
             let [channel, radius, angle, rotation] = stream.quad(set);
             let [cut, accept, choice, _] = stream.quad(set + 1);
             let axes = self.axes(rotation);
-            let hero = self.channels.draw(Rgb::ONE, channel);
+            let hero = self.channels.draw(Spectrum::ONE, channel);
             let line =
                 Line { radius: self.spread.sample_radius(hero, radius), angle: TAU * angle, cut: 1.0 - cut };
             let densities = self.spread.densities(line.radius, self.channels);
             let mean = self.channels.mean(densities);
             // The energy per channel that this line carries on the plane.
-            let budget = if mean > 0.0 && mean.is_finite() { densities / mean } else { Rgb::ONE };
+            let budget = if mean > 0.0 && mean.is_finite() { densities / mean } else { Spectrum::ONE };
             if !self.is_resolved(&line) {
                 return EntryPoint { hit: None, weight: budget };
             }
@@ -144,15 +154,15 @@ impl<C: RayCaster, N: Fn(&Hit) -> Vec3, P: Profile + Copy> AreaIntegral<'_, C, N
     /// Appends every crossing of the three probes of one line, so that the sum of the weights is
     /// an unbiased estimate of ∫_A R_c dA (of the uncut profile). For checks: the integrator shares
     /// energy between crossings instead, see the module's description.
-    pub fn crossings(&self, generator: &mut HashGenerator, found: &mut Vec<Crossing>) {
+    pub fn crossings(&self, generator: &mut HashGenerator, found: &mut Vec<Crossing<N>>) {
         let axes = self.axes(generator.next_f32());
-        let hero = self.channels.draw(Rgb::ONE, generator.next_f32());
+        let hero = self.channels.draw(Spectrum::ONE, generator.next_f32());
         let line = Line {
             radius: self.spread.sample_radius(hero, generator.next_f32()),
             angle: TAU * generator.next_f32(),
             cut: 1.0 - generator.next_f32(),
         };
-        let (mut hits, mut crossings) = (Vec::new(), Vec::new());
+        let (mut hits, mut crossings) = (Vec::new(), Crossings::new());
         let mut counters = ProbeCounters::default();
         for axis in 0..3 {
             self.probe(&axes, axis, &line, &mut hits, &mut crossings, &mut counters);
@@ -184,7 +194,7 @@ impl<C: RayCaster, N: Fn(&Hit) -> Vec3, P: Profile + Copy> AreaIntegral<'_, C, N
         line: &Line,
         accept: f32,
         hits: &mut Vec<Hit>,
-        crossings: &mut Vec<Crossing>,
+        crossings: &mut Crossings<N>,
         counters: &mut ProbeCounters,
     ) -> bool {
         let mut rest = accept;
@@ -205,7 +215,7 @@ impl<C: RayCaster, N: Fn(&Hit) -> Vec3, P: Profile + Copy> AreaIntegral<'_, C, N
         axis: usize,
         line: &Line,
         hits: &mut Vec<Hit>,
-        crossings: &mut Vec<Crossing>,
+        crossings: &mut Crossings<N>,
         counters: &mut ProbeCounters,
     ) {
         crossings.clear();
@@ -244,11 +254,11 @@ impl<C: RayCaster, N: Fn(&Hit) -> Vec3, P: Profile + Copy> AreaIntegral<'_, C, N
 
     /// Draws one of the crossings, with the line's energy `budget` shared between them per channel in
     /// proportion to their weights.
-    fn choose(&self, crossings: &[Crossing], budget: Rgb, u: f32) -> EntryPoint {
+    fn choose(&self, crossings: &[Crossing<N>], budget: Spectrum<N>, u: f32) -> EntryPoint<N> {
         if let [only] = crossings {
             return EntryPoint { hit: Some(only.hit), weight: budget };
         }
-        let mut total = Rgb::ZERO;
+        let mut total = Spectrum::ZERO;
         for crossing in crossings {
             total += crossing.weight;
         }

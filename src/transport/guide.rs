@@ -1,4 +1,4 @@
-//! Guides of walks in bodies that absorb: the zero-variance densities of [`crate::medium::dwivedi`] for three channels, towards a
+//! Guides of walks in bodies that absorb: the zero-variance densities of [`crate::medium::dwivedi`] channel by channel, towards a
 //! plane where light leaves and towards one on the other side.
 //!
 //! **Lobes.** In a layer of thickness D light is brought out of depth z in proportion to e^(−κz) by one side and
@@ -19,13 +19,15 @@
 //!
 //! Elsewhere the walk is the classic one.
 
+use std::array;
+
 use glam::Vec3;
 
 use super::spread::Channels;
 use crate::math::sampler::HashGenerator;
 use crate::medium::dwivedi::Mode;
 use crate::medium::{Medium, PlanarAlbedo};
-use crate::radiometry::Rgb;
+use crate::radiometry::Spectrum;
 
 /// Share of a guide's flights that are drawn like the classic walk's.
 const PLAIN: f32 = 0.25;
@@ -44,12 +46,12 @@ const MOST_STRETCHED: f32 = 80.0;
 
 /// A guide of walks in a medium.
 #[derive(Clone, Copy, Debug)]
-pub struct Guide {
-    sigma_t: Rgb,
+pub struct Guide<const N: usize = 3> {
+    sigma_t: Spectrum<N>,
     /// By channel; none where so little is absorbed that the classic walk is as good.
-    modes: [Option<Mode>; 3],
+    modes: [Option<Mode>; N],
     /// κ, 1/m.
-    decay: Rgb,
+    decay: Spectrum<N>,
     /// All channels are the same.
     gray: bool,
     /// What light that has entered is expected to bring out, in the channel that brings out most.
@@ -69,8 +71,8 @@ pub enum Lobe {
 
 /// A guide in a body: towards the plane where a walk began.
 #[derive(Clone, Copy, Debug)]
-pub struct Layer {
-    guide: Guide,
+pub struct Layer<const N: usize = 3> {
+    guide: Guide<N>,
     normal: Vec3,
     /// Of the plane, along the normal, m.
     height: f32,
@@ -80,23 +82,23 @@ pub struct Layer {
 
 /// A direction that light takes, and how likely guides draw it.
 #[derive(Clone, Copy, Debug)]
-pub struct Heading {
+pub struct Heading<const N: usize = 3> {
     /// Cosine to the plane's normal.
     cosine: f32,
     /// Densities of the lobes times their shares, relative to the classic walk's density.
-    outwards: Rgb,
-    inwards: Rgb,
-    channels: Channels,
+    outwards: Spectrum<N>,
+    inwards: Spectrum<N>,
+    channels: Channels<N>,
 }
 
-impl Guide {
+impl<const N: usize> Guide<N> {
     /// Of a medium in a half-space whose albedo is `planar` and whose boundary reflects `mirrored` at normal incidence; none where the
     /// classic walk is as good.
-    pub fn new(medium: &Medium, planar: &PlanarAlbedo, mirrored: f32) -> Option<Self> {
+    pub fn new(medium: &Medium<N>, planar: &PlanarAlbedo, mirrored: f32) -> Option<Self> {
         let absorbed = medium.absorbed_share_reduced();
         let sigma_t = medium.sigma_t();
         let is_absorbing = |c: usize| absorbed[c] >= 1.0 - MOST_ALBEDO;
-        let pays = (0..3).any(is_absorbing) && medium.g == 0.0;
+        let pays = (0..N).any(is_absorbing) && medium.g == 0.0;
         if !pays || !sigma_t.is_finite() || sigma_t.min_component() <= 0.0 {
             return None;
         }
@@ -105,13 +107,12 @@ impl Guide {
             return None;
         }
         let mode = |c: usize| is_absorbing(c).then(|| Mode::new(1.0 - f64::from(absorbed[c])));
-        let modes = [mode(0), mode(1), mode(2)];
-        let is_same = |values: Rgb| values[0] == values[1] && values[0] == values[2];
+        let modes = array::from_fn(mode);
         Some(Self {
             sigma_t,
             modes,
-            decay: Rgb::from_fn(|c| modes[c].map_or(0.0, |mode| mode.decay() * sigma_t[c])),
-            gray: is_same(sigma_t) && is_same(absorbed),
+            decay: Spectrum::from_fn(|c| modes[c].map_or(0.0, |mode| mode.decay() * sigma_t[c])),
+            gray: sigma_t.is_gray() && absorbed.is_gray(),
             expected: expected.clamp(LEAST_EXPECTED, 1.0),
         })
     }
@@ -128,13 +129,13 @@ impl Guide {
 
     /// Channels that differ.
     fn count(&self) -> usize {
-        if self.gray { 1 } else { 3 }
+        if self.gray { 1 } else { N }
     }
 }
 
-impl Layer {
+impl<const N: usize> Layer<N> {
     /// Below the plane through `origin` with outward unit `normal`; `thickness` in m.
-    pub fn new(guide: Guide, origin: Vec3, normal: Vec3, thickness: f32) -> Self {
+    pub fn new(guide: Guide<N>, origin: Vec3, normal: Vec3, thickness: f32) -> Self {
         Self { guide, normal, height: normal.dot(origin), thickness }
     }
 
@@ -145,26 +146,26 @@ impl Layer {
     }
 
     /// Probability of channel `c`, of those that differ.
-    fn share(&self, c: usize, channels: &Channels) -> f32 {
+    fn share(&self, c: usize, channels: &Channels<N>) -> f32 {
         if self.guide.gray { 1.0 } else { channels.probability(c) }
     }
 
     /// Draws by which lobe to go on from `point`.
-    pub fn draw_lobe(&self, point: Vec3, channels: &Channels, random: &mut HashGenerator) -> Lobe {
+    pub fn draw_lobe(&self, point: Vec3, channels: &Channels<N>, random: &mut HashGenerator) -> Lobe {
         if random.next_f32() < PLAIN {
             return Lobe::Plain;
         }
-        let c = if self.guide.gray { 0 } else { channels.draw(Rgb::ONE, random.next_f32()) };
+        let c = if self.guide.gray { 0 } else { channels.draw(Spectrum::ONE, random.next_f32()) };
         if random.next_f32() < self.inward_share(c, point) { Lobe::Inwards(c) } else { Lobe::Outwards(c) }
     }
 
     /// Going on from `point` in a given direction.
-    pub fn straight(&self, point: Vec3, direction: Vec3, channels: Channels) -> Heading {
+    pub fn straight(&self, point: Vec3, direction: Vec3, channels: Channels<N>) -> Heading<N> {
         self.heading(point, direction, channels, |_, _| 1.0)
     }
 
     /// Going on from `point` in a direction that the phase function draws with density `phase`, 1/sr.
-    pub fn turned(&self, point: Vec3, direction: Vec3, phase: f32, channels: Channels) -> Heading {
+    pub fn turned(&self, point: Vec3, direction: Vec3, phase: f32, channels: Channels<N>) -> Heading<N> {
         let cosine = direction.dot(self.normal);
         self.heading(point, direction, channels, |mode, side| mode.density(side * cosine) / phase)
     }
@@ -173,10 +174,10 @@ impl Layer {
         &self,
         point: Vec3,
         direction: Vec3,
-        channels: Channels,
+        channels: Channels<N>,
         relative: impl Fn(&Mode, f32) -> f32,
-    ) -> Heading {
-        let (mut outwards, mut inwards) = (Rgb::ZERO, Rgb::ZERO);
+    ) -> Heading<N> {
+        let (mut outwards, mut inwards) = (Spectrum::ZERO, Spectrum::ZERO);
         for c in 0..self.guide.count() {
             let share = (1.0 - PLAIN) * self.share(c, &channels);
             let inward = self.inward_share(c, point);
@@ -199,7 +200,7 @@ impl Layer {
     }
 
     /// The coefficient, 1/m, by which `lobe` draws flights, and its channel; none if the classic walk's are drawn.
-    pub fn coefficient(&self, lobe: Lobe, heading: &Heading) -> Option<(usize, f32)> {
+    pub fn coefficient(&self, lobe: Lobe, heading: &Heading<N>) -> Option<(usize, f32)> {
         lobe.side().map(|(c, side)| (c, self.stretched(c, side * heading.cosine)))
     }
 
@@ -209,12 +210,12 @@ impl Layer {
     }
 
     /// How much likelier guides draw a collision after `distance` than the classic walk, given `attenuation` over it in any unit.
-    pub fn collision_ratio(&self, heading: &Heading, distance: f32, attenuation: Rgb) -> f32 {
+    pub fn collision_ratio(&self, heading: &Heading<N>, distance: f32, attenuation: Spectrum<N>) -> f32 {
         self.ratio(heading, distance, attenuation, |c, cosine| self.stretched(c, cosine))
     }
 
     /// How much likelier guides draw a flight that goes on at least to `distance`.
-    pub fn passage_ratio(&self, heading: &Heading, distance: f32, attenuation: Rgb) -> f32 {
+    pub fn passage_ratio(&self, heading: &Heading<N>, distance: f32, attenuation: Spectrum<N>) -> f32 {
         self.ratio(heading, distance, attenuation, |_, _| 1.0)
     }
 
@@ -222,9 +223,9 @@ impl Layer {
     /// 0.
     fn ratio(
         &self,
-        heading: &Heading,
+        heading: &Heading<N>,
         distance: f32,
-        attenuation: Rgb,
+        attenuation: Spectrum<N>,
         factor: impl Fn(usize, f32) -> f32,
     ) -> f32 {
         let (mut guided, mut classic) = (0.0, 0.0);
@@ -251,7 +252,7 @@ impl Lobe {
     }
 }
 
-impl Heading {
+impl<const N: usize> Heading<N> {
     /// How much likelier guides draw the direction than the classic walk.
     pub fn ratio(&self) -> f32 {
         PLAIN + (self.outwards + self.inwards).0.iter().sum::<f32>()

@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
+use super::basis::Tristimulus;
 use super::entry::DirectionDependence;
 use super::renderer::{Renderer, albedo_factor};
 use super::scatterer::{Scatterer, ScattererError, Scattering, Uses};
@@ -35,7 +36,7 @@ impl<C: RayCaster> Renderer<C> {
         let scatterer = self.scatterers[material].as_ref();
         let interface = scatterer.and_then(|scatterer| scatterer.immersed(1.0).interface());
         let has_bssrdf = scatterer.is_some() && methods.iter().any(|&method| method != Method::Walk);
-        let bsdf = || resolve_bsdf::<CAN>(self.scene(), material, &surface(at), 1.0);
+        let bsdf = || resolve_bsdf::<_, _, CAN>(&Tristimulus, self.scene(), material, &surface(at), 1.0);
         let lobes = match interface.filter(|interface| !interface.is_smooth()) {
             _ if scatterer.is_some() && !is_walked => None,
             Some(interface) => Some(Lobes::Interface(interface)),
@@ -106,9 +107,10 @@ impl PlaneBssrdf {
     }
 
     fn scattering(&self) -> Scattering<'_> {
-        let thinnest = self.scatterer.medium(1.0, albedo_factor).sigma_t_reduced().min_component();
+        let thinnest =
+            self.scatterer.medium(&Tristimulus, 1.0, albedo_factor).sigma_t_reduced().min_component();
         let diameter = (DIAMETERS / thinnest).clamp(f32::MIN_POSITIVE, f32::MAX);
-        self.scatterer.at(1.0, diameter, albedo_factor)
+        self.scatterer.at(&Tristimulus, 1.0, diameter, albedo_factor)
     }
 }
 

@@ -6,7 +6,7 @@ use crate::medium::Medium;
 
 /// The inside of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Interior {
+pub struct Interior<const N: usize = 3> {
     /// The body.
     pub instance: u32,
     /// Its diameter, m: where bodies overlap, the smallest counts.
@@ -14,12 +14,12 @@ pub struct Interior {
     /// Index of refraction.
     pub ior: f32,
     /// What fills it.
-    pub medium: Medium,
+    pub medium: Medium<N>,
 }
 
-impl Interior {
+impl<const N: usize> Interior<N> {
     /// Greater is what displaces the other.
-    fn precedence(&self, other: &Self) -> Ordering {
+    fn precedence<const M: usize>(&self, other: &Interior<M>) -> Ordering {
         other.diameter.total_cmp(&self.diameter).then(self.instance.cmp(&other.instance))
     }
 }
@@ -29,15 +29,21 @@ const DEPTH: usize = 8;
 
 /// The bodies a path is inside of, the one that fills the point last. Where bodies overlap it is the smallest, so
 /// that milk that reaches into its glass is milk there, whatever way a path came.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Interiors {
-    bodies: [Option<Interior>; DEPTH],
+#[derive(Clone, Copy, Debug)]
+pub struct Interiors<const N: usize = 3> {
+    bodies: [Option<Interior<N>>; DEPTH],
     count: usize,
 }
 
-impl Interiors {
+impl<const N: usize> Default for Interiors<N> {
+    fn default() -> Self {
+        Self { bodies: [None; DEPTH], count: 0 }
+    }
+}
+
+impl<const N: usize> Interiors<N> {
     /// The path enters a body.
-    pub fn enter(&mut self, interior: Interior) {
+    pub fn enter(&mut self, interior: Interior<N>) {
         if self.count < DEPTH {
             let place = self.iter().take_while(|body| body.precedence(&interior).is_le()).count();
             self.bodies.copy_within(place..self.count, place + 1);
@@ -56,17 +62,17 @@ impl Interiors {
     }
 
     /// The bodies, the one that fills the point last.
-    pub fn iter(&self) -> impl DoubleEndedIterator<Item = &Interior> {
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = &Interior<N>> {
         self.bodies[..self.count].iter().flatten()
     }
 
-    /// The bodies, to fill them.
-    pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut Interior> {
-        self.bodies[..self.count].iter_mut().flatten()
+    /// The same bodies, each through `f`.
+    pub fn map<const M: usize>(&self, f: impl Fn(&Interior<N>) -> Interior<M>) -> Interiors<M> {
+        Interiors { bodies: self.bodies.each_ref().map(|body| body.as_ref().map(&f)), count: self.count }
     }
 
     /// The body that fills the point.
-    pub fn current(&self) -> Option<Interior> {
+    pub fn current(&self) -> Option<Interior<N>> {
         self.count.checked_sub(1).and_then(|i| self.bodies[i])
     }
 
@@ -86,8 +92,8 @@ impl Interiors {
     }
 
     /// The bodies that displace `interior`.
-    pub fn displacing(&self, interior: Interior) -> impl Iterator<Item = &Interior> {
-        let displaces = move |body: &&Interior| body.precedence(&interior).is_gt();
+    pub fn displacing<const M: usize>(&self, interior: Interior<M>) -> impl Iterator<Item = &Interior<N>> {
+        let displaces = move |body: &&Interior<N>| body.precedence(&interior).is_gt();
         self.iter().filter(displaces).filter(move |body| body.instance != interior.instance)
     }
 }

@@ -4,13 +4,14 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 
+use super::basis::Basis;
 use super::light_choice::{LightChoice, Reach, Receiver};
 use super::shading::color;
 use super::substance::Substance;
 use super::world::{SurfacePoint, World};
 use crate::math::distribution::{Discrete, Piecewise2d};
 use crate::math::{Frame, warp};
-use crate::radiometry::Rgb;
+use crate::radiometry::Spectrum;
 use crate::raycast::{Hit, RayCaster};
 use crate::scene::environment::{direction_to_uv, uv_to_direction};
 use crate::scene::light::spot_falloff;
@@ -18,14 +19,14 @@ use crate::scene::{Environment, Light};
 
 /// Light towards a point from one direction.
 #[derive(Clone, Copy, Debug)]
-pub struct LightSample {
+pub struct LightSample<const N: usize = 3> {
     /// Unit direction to the light.
     pub direction: Vec3,
     /// Distance to it, m; infinite for far light.
     pub distance: f32,
     /// Radiance over density, or irradiance-like intensity over squared distance for lights without size;
     /// divided by the probability of the choice of emitter.
-    pub value: Rgb,
+    pub value: Spectrum<N>,
     /// Density per solid angle, choice of emitter included; `None` for a light that only this
     /// sampling can find.
     pub density: Option<f32>,
@@ -91,19 +92,23 @@ impl LightSampler {
 
     /// Draws light for `receiver`; `u[0]` chooses the emitter, the others the point on it.
     /// `CAN` is what the kernel that asks has code for.
-    pub fn sample<C: RayCaster, const CAN: u32>(
+    pub fn sample<C: RayCaster, B: Basis<N>, const N: usize, const CAN: u32>(
         &self,
+        basis: &B,
         world: &World<C>,
         receiver: &Receiver,
         u: [f32; 3],
-    ) -> Option<LightSample> {
+    ) -> Option<LightSample<N>> {
         let (index, probability) = self.choice.sample(receiver, u[0])?;
         let point = receiver.position;
         let sample = match &self.emitters[index] {
-            Emitter::Light(light) => sample_light(&world.scene().lights[*light], point, u[1], u[2]),
-            Emitter::Mesh(mesh) => sample_mesh::<C, CAN>(world, mesh, point, u[1], u[2]),
+            Emitter::Light(index) => {
+                let light = &world.scene().lights[*index];
+                sample_light(light, basis.light(*index, light), point, u[1], u[2])
+            }
+            Emitter::Mesh(mesh) => sample_mesh::<C, B, N, CAN>(basis, world, mesh, point, u[1], u[2]),
             Emitter::Environment(distribution) => {
-                sample_environment(world.scene().environment.as_ref()?, distribution, u[1], u[2])
+                sample_environment(basis, world.scene().environment.as_ref()?, distribution, u[1], u[2])
             }
         }?;
         Some(LightSample {
@@ -228,7 +233,13 @@ fn triangle_areas<C: RayCaster>(world: &World<C>, instance: u32) -> Vec<f32> {
 
 /// Light of value `radiance` from the point `target`, a surface element of normal `normal` drawn with
 /// `density` per area that emits on one side.
-fn from_area(point: Vec3, target: Vec3, normal: Vec3, radiance: Rgb, density: f32) -> Option<LightSample> {
+fn from_area<const N: usize>(
+    point: Vec3,
+    target: Vec3,
+    normal: Vec3,
+    radiance: Spectrum<N>,
+    density: f32,
+) -> Option<LightSample<N>> {
     let offset = target - point;
     let squared = offset.length_squared();
     let distance = squared.sqrt();
@@ -243,21 +254,28 @@ fn from_area(point: Vec3, target: Vec3, normal: Vec3, radiance: Rgb, density: f3
     })
 }
 
-fn sample_light(light: &Light, point: Vec3, u: f32, v: f32) -> Option<LightSample> {
+/// Light from `light`, which emits `emitted` in the unit of its kind.
+fn sample_light<const N: usize>(
+    light: &Light,
+    emitted: Spectrum<N>,
+    point: Vec3,
+    u: f32,
+    v: f32,
+) -> Option<LightSample<N>> {
     match *light {
-        Light::Quad { center, half_u, half_v, radiance } => {
+        Light::Quad { center, half_u, half_v, .. } => {
             let cross = half_u.cross(half_v);
             let target = center + half_u * (2.0 * u - 1.0) + half_v * (2.0 * v - 1.0);
             let area = 4.0 * cross.length();
-            from_area(point, target, cross.normalize_or_zero(), radiance.rgb, 1.0 / area)
+            from_area(point, target, cross.normalize_or_zero(), emitted, 1.0 / area)
         }
-        Light::Disk { center, normal, radius, radiance } => {
+        Light::Disk { center, normal, radius, .. } => {
             let p = warp::square_to_disk(u, v) * radius;
             let frame = Frame::from_normal(normal);
             let target = center + frame.tangent * p.x + frame.bitangent * p.y;
-            from_area(point, target, normal, radiance.rgb, 1.0 / (PI * radius * radius))
+            from_area(point, target, normal, emitted, 1.0 / (PI * radius * radius))
         }
-        Light::Sphere { center, radius, radiance } => {
+        Light::Sphere { center, radius, .. } => {
             let offset = center - point;
             let squared = offset.length_squared();
             let one_minus_cos = cone_of_sphere(squared, radius)?;
@@ -270,26 +288,26 @@ fn sample_light(light: &Light, point: Vec3, u: f32, v: f32) -> Option<LightSampl
             Some(LightSample {
                 direction,
                 distance: along - inside,
-                value: radiance.rgb / density,
+                value: emitted / density,
                 density: Some(density),
             })
         }
-        Light::Point { position, intensity } => from_point(point, position, intensity.rgb),
-        Light::Spot { position, direction, intensity, inner_angle, outer_angle } => {
-            let sample = from_point(point, position, intensity.rgb)?;
+        Light::Point { position, .. } => from_point(point, position, emitted),
+        Light::Spot { position, direction, inner_angle, outer_angle, .. } => {
+            let sample = from_point(point, position, emitted)?;
             let fade = spot_falloff(-sample.direction.dot(direction), inner_angle, outer_angle);
             (fade > 0.0).then_some(LightSample { value: sample.value * fade, ..sample })
         }
-        Light::Directional { direction, irradiance } => Some(LightSample {
+        Light::Directional { direction, .. } => Some(LightSample {
             direction: -direction,
             distance: f32::INFINITY,
-            value: irradiance.rgb,
+            value: emitted,
             density: None,
         }),
     }
 }
 
-fn from_point(point: Vec3, position: Vec3, intensity: Rgb) -> Option<LightSample> {
+fn from_point<const N: usize>(point: Vec3, position: Vec3, intensity: Spectrum<N>) -> Option<LightSample<N>> {
     let offset = position - point;
     let squared = offset.length_squared();
     let distance = squared.sqrt();
@@ -321,13 +339,14 @@ fn light_density(light: &Light, origin: Vec3, squared: f32, cos: f32) -> f32 {
     }
 }
 
-fn sample_mesh<C: RayCaster, const CAN: u32>(
+fn sample_mesh<C: RayCaster, B: Basis<N>, const N: usize, const CAN: u32>(
+    basis: &B,
     world: &World<C>,
     mesh: &EmissiveMesh,
     point: Vec3,
     u: f32,
     v: f32,
-) -> Option<LightSample> {
+) -> Option<LightSample<N>> {
     let (primitive, _, u) = mesh.triangles.sample(u)?;
     let barycentric = warp::square_to_triangle(u, v);
     let on_triangle = Hit {
@@ -341,6 +360,7 @@ fn sample_mesh<C: RayCaster, const CAN: u32>(
     let Substance::Material(index) = world.substance(mesh.instance) else { return None };
     let material = &world.scene().materials[index];
     let radiance = color::<CAN>(world.scene(), &material.emission, &surface);
+    let radiance = basis.emission(index, &material.emission, radiance);
     let toward = point - surface.position;
     let normal = surface.geometric_normal;
     let normal = if material.double_sided && toward.dot(normal) < 0.0 { -normal } else { normal };
@@ -377,12 +397,13 @@ fn environment_distribution(environment: &Environment) -> (Piecewise2d, f32) {
     (Piecewise2d::new(width, height, &weights), (total / solid_angle) as f32)
 }
 
-fn sample_environment(
+fn sample_environment<B: Basis<N>, const N: usize>(
+    basis: &B,
     environment: &Environment,
     distribution: &Piecewise2d,
     u: f32,
     v: f32,
-) -> Option<LightSample> {
+) -> Option<LightSample<N>> {
     let Environment::Map { rotation, .. } = environment else { return None };
     let (x, y, density) = distribution.sample(u, v)?;
     let direction = rotation.transpose() * uv_to_direction(Vec2::new(x, y));
@@ -390,7 +411,7 @@ fn sample_environment(
     Some(LightSample {
         direction,
         distance: f32::INFINITY,
-        value: environment.radiance(direction) / density,
+        value: basis.environment(environment, direction) / density,
         density: Some(density),
     })
 }

@@ -1,6 +1,7 @@
 //! Light carried through the scene: the path tracer, direct light, the area integral.
 
 pub mod area_integral;
+pub mod basis;
 pub mod clearance;
 mod contact;
 pub mod counters;
@@ -20,6 +21,7 @@ mod recenter;
 pub mod renderer;
 pub mod scatterer;
 mod shading;
+pub mod spectra;
 pub mod spheres;
 pub mod spread;
 pub mod substance;

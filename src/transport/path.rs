@@ -2,31 +2,33 @@
 
 mod below;
 mod contact;
+mod dispersion;
 mod guiding;
 mod passage;
 mod random_walk;
 mod sphere_walk;
+mod surface;
 
 use glam::Vec3;
 
 use guiding::Technique;
 use random_walk::Walked;
 
+use super::basis::Basis;
 use super::counters::Counters;
 use super::entry::Response;
 use super::interiors::Interiors;
 use super::light_choice::Receiver;
 use super::renderer::Renderer;
-use super::shading::{Lobes, Orientation, color, emitted, resolve_bsdf};
+use super::shading::{color, emitted};
 use super::substance::Substance;
 use super::world::SurfacePoint;
+use crate::math::SampleStream;
 use crate::math::robust::offset_from_surface;
 use crate::math::sampler::HashGenerator;
-use crate::math::{Frame, SampleStream};
 use crate::plan::Abilities;
-use crate::radiometry::Rgb;
+use crate::radiometry::{Rgb, Spectrum};
 use crate::raycast::{Hit, Ray, RayCaster};
-use crate::scene::{ScatteringInput, Scene};
 
 /// Sets of the sample stream by the place they are used at.
 pub(super) mod place {
@@ -50,6 +52,8 @@ pub(super) mod place {
     pub const COVERAGE: u32 = 1 << 24;
     /// Walks inside scattering bodies.
     pub const WALK: u32 = 1 << 25;
+    /// The wavelengths that a path carries.
+    pub const WAVELENGTHS: u32 = 1 << 26;
 }
 
 /// Bounces before roulette may end a path.
@@ -91,13 +95,15 @@ impl Entrance {
 }
 
 /// A path under construction.
-pub(super) struct Path<'a, C, const CAN: u32> {
+pub(super) struct Path<'a, C, B, const N: usize, const CAN: u32> {
     renderer: &'a Renderer<C>,
+    /// What its channels are.
+    basis: B,
     stream: SampleStream,
     counters: &'a mut Counters,
-    interiors: Interiors,
-    throughput: Rgb,
-    radiance: Rgb,
+    interiors: Interiors<N>,
+    throughput: Spectrum<N>,
+    radiance: Spectrum<N>,
     scattered_from: Option<Origin>,
     bounce: u32,
     /// Surfaces with partial coverage that were not there.
@@ -112,9 +118,11 @@ pub(super) struct Path<'a, C, const CAN: u32> {
     expected: f32,
     /// For walks, whose length is not known beforehand.
     random: HashGenerator,
+    /// Only the first channel goes on.
+    is_alone: bool,
 }
 
-impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
+impl<'a, C: RayCaster, B: Basis<N>, const N: usize, const CAN: u32> Path<'a, C, B, N, CAN> {
     const COVERAGE: bool = Abilities::COVERAGE.are_in(CAN);
     const INTERIORS: bool = Abilities::INTERIORS.are_in(CAN);
     const SUBSURFACE: bool = Abilities::SUBSURFACE.are_in(CAN);
@@ -122,18 +130,20 @@ impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
 
     pub fn new(
         renderer: &'a Renderer<C>,
+        basis: B,
         stream: SampleStream,
-        interiors: &Interiors,
+        interiors: &Interiors<N>,
         counters: &'a mut Counters,
     ) -> Self {
         let random = stream.generator(place::WALK);
-        Self {
+        let mut path = Self {
             renderer,
+            basis,
             stream,
             counters,
             interiors: if Self::INTERIORS { *interiors } else { Interiors::default() },
-            throughput: Rgb::ONE,
-            radiance: Rgb::ZERO,
+            throughput: Spectrum::ONE,
+            radiance: Spectrum::ZERO,
             scattered_from: None,
             bounce: 0,
             passed: 0,
@@ -142,7 +152,12 @@ impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
             technique: Technique::default(),
             expected: 1.0,
             random,
+            is_alone: false,
+        };
+        if B::DISPERSES && path.is_in_dispersive_body() {
+            path.leave_others();
         }
+        path
     }
 
     /// Radiance that arrives at `origin` against unit `direction`, W/(m² sr).
@@ -151,7 +166,7 @@ impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
         while let Some(after) = self.step(&next) {
             next = after;
         }
-        self.radiance
+        self.basis.rgb(self.radiance)
     }
 
     /// Follows one ray; `None` where the path ends.
@@ -176,7 +191,7 @@ impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
         }
         let material = match world.substance(hit.instance) {
             Substance::Light(light) => {
-                let radiance = emitted(&world.scene().lights[light], &surface, from.direction);
+                let radiance = emitted(&self.basis, world.scene(), light, &surface, from.direction);
                 self.add_emission(radiance, &surface, from.direction);
                 return None;
             }
@@ -282,10 +297,10 @@ impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
         let lights = &self.renderer.lights;
         let weight = self
             .emission_weight(|origin| lights.environment_density(environment, &origin.receiver, direction));
-        self.radiance += self.throughput * environment.radiance(direction) * weight;
+        self.radiance += self.throughput * self.basis.environment(environment, direction) * weight;
     }
 
-    fn add_emission(&mut self, radiance: Rgb, surface: &SurfacePoint, direction: Vec3) {
+    fn add_emission(&mut self, radiance: Spectrum<N>, surface: &SurfacePoint, direction: Vec3) {
         if radiance.is_black() {
             return;
         }
@@ -297,10 +312,12 @@ impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
 
     fn add_material_emission(&mut self, material: usize, surface: &SurfacePoint, direction: Vec3) {
         let scene = self.renderer.world.scene();
-        let material = &scene.materials[material];
+        let index = material;
+        let material = &scene.materials[index];
         let faces = material.double_sided || direction.dot(surface.geometric_normal) < 0.0;
         if faces && !material.emission.factor.is_black() {
             let radiance = color::<CAN>(scene, &material.emission, surface);
+            let radiance = self.basis.emission(index, &material.emission, radiance);
             self.add_emission(radiance, surface, direction);
         }
     }
@@ -311,11 +328,13 @@ impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
         place: u32,
         surface: &SurfacePoint,
         receiver: &Receiver,
-        response: impl Fn(Vec3) -> Response,
+        response: impl Fn(Vec3) -> Response<N>,
     ) {
         let [u0, u1, u2, _] = self.stream.quad(self.set(place));
         let Renderer { world, lights, .. } = self.renderer;
-        let Some(light) = lights.sample::<_, CAN>(world, receiver, [u0, u1, u2]) else { return };
+        let Some(light) = lights.sample::<_, _, N, CAN>(&self.basis, world, receiver, [u0, u1, u2]) else {
+            return;
+        };
         let Response { value, density } = response(light.direction);
         if value.is_black() {
             return;
@@ -328,89 +347,6 @@ impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
         }
         let arrives = self.arrival(surface, light.direction, light.distance);
         self.radiance += contribution * arrives;
-    }
-
-    /// Scatters at a surface that acts where it is hit.
-    fn scatter_bsdf(&mut self, material: usize, surface: &SurfacePoint, wo: Vec3) -> Option<Next> {
-        let world = &self.renderer.world;
-        let around = self.ior_outside(surface, wo.dot(surface.geometric_normal) > 0.0);
-        let bsdf = self.lobes(material, surface, around);
-        // Only the boundary of a body knows inside from outside.
-        let two_sided = !Self::INTERIORS || world.interior(surface.instance).is_none();
-        let mut orientation = Orientation::new::<CAN>(world.scene(), material, surface, wo, two_sided);
-        let frame = Frame::from_normal(orientation.shading);
-        let local_wo = frame.to_local(wo);
-        let receiver = Receiver {
-            position: surface.position,
-            normal: (!bsdf.transmits()).then_some(orientation.geometric),
-        };
-        if !bsdf.is_delta_only() {
-            self.add_direct(place::LIGHT, surface, &receiver, |wi| {
-                response(&bsdf, &orientation, &frame, local_wo, wi)
-            });
-        }
-        let [lobe, u, v, _] = self.stream.quad(self.set(place::SCATTER));
-        let mut sample = bsdf.sample(local_wo, [u, v, lobe], &mut self.random)?;
-        let mut direction = frame.to_world(sample.direction);
-        if sample.delta && !orientation.agree(direction) {
-            // The interpolated normal sends light through the wrong side: use the triangle's own.
-            orientation.shading = orientation.geometric;
-            let frame = Frame::from_normal(orientation.geometric);
-            sample = bsdf.sample(frame.to_local(wo), [u, v, lobe], &mut self.random)?;
-            direction = frame.to_world(sample.direction);
-        } else if !sample.delta && orientation.folds(direction) {
-            if !orientation.agree(direction) {
-                direction = orientation.mirrored(direction);
-            }
-            let Response { value, density } = response(&bsdf, &orientation, &frame, local_wo, direction);
-            sample.weight = if density > 0.0 { value / density } else { Rgb::ZERO };
-            sample.density = density;
-        }
-        if direction.dot(orientation.geometric) == 0.0 {
-            self.counters.rejected += 1;
-            return None;
-        }
-        self.throughput *= sample.weight;
-        self.scattered_from = (!sample.delta).then_some(Origin { receiver, density: sample.density });
-        if Self::INTERIORS && sample.crosses_boundary {
-            self.cross(surface, wo.dot(surface.geometric_normal) > 0.0);
-        }
-        let next = Next { origin: leave(surface, direction), direction };
-        if Self::WALKS {
-            self.entrance = Some(Entrance::new(surface, next.origin));
-        }
-        Some(next)
-    }
-
-    /// What scatters light at a surface that acts where it is hit.
-    fn lobes(&self, material: usize, surface: &SurfacePoint, around: f32) -> Lobes<'a> {
-        let Renderer { world, scatterers, .. } = self.renderer;
-        let walked = if Self::WALKS { scatterers[material].as_ref() } else { None };
-        let interface = walked.and_then(|scatterer| scatterer.immersed(around).interface());
-        match interface.filter(|interface| !interface.is_smooth()) {
-            Some(interface) => Lobes::Interface(interface),
-            None => Lobes::Bsdf(resolve_bsdf::<CAN>(world.scene(), material, surface, around)),
-        }
-    }
-}
-
-/// The BSDF towards `wi` and the density that samples it, around the shading normal `frame` and folded by
-/// the plane of the triangle.
-fn response(bsdf: &Lobes, orientation: &Orientation, frame: &Frame, local_wo: Vec3, wi: Vec3) -> Response {
-    let mut response = Response { value: Rgb::ZERO, density: 0.0 };
-    for direction in orientation.unfolded(wi) {
-        let local = frame.to_local(direction);
-        response.value += bsdf.evaluate(local_wo, local);
-        response.density += bsdf.density(local_wo, local);
-    }
-    response
-}
-
-/// The albedo asked for at a point, where the input is one.
-fn wanted_albedo<const CAN: u32>(scene: &Scene, input: &ScatteringInput, surface: &SurfacePoint) -> Rgb {
-    match input {
-        ScatteringInput::Albedo { albedo, .. } => color::<CAN>(scene, albedo, surface),
-        ScatteringInput::Coefficients { .. } | ScatteringInput::Spectral { .. } => Rgb::ZERO,
     }
 }
 

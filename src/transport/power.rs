@@ -3,6 +3,10 @@
 //! Every term is an integral of radiance over a surface and the directions on one side of it, Φ = ∫∫ L cosθ dω dA, drawn
 //! uniformly by area and by the cosine, so that each sample is worth π A L; the radiance is what a path from there finds. What a surface absorbs is
 //! what arrives less what leaves, and what it emits itself. What leaves the scene crosses a sphere around all of it.
+//!
+//! Light straight from a lamp is left out there, as a small lamp is seldom met by chance: rays are sent out by lamps instead, each of which escapes or
+//! arrives at a surface.
+//!
 //! The terms are estimated apart: that they add up says that light is where it should be, and that nothing absorbs a negative power, that no
 //! surface makes light.
 //!
@@ -18,18 +22,17 @@ use thiserror::Error;
 
 use super::counters::Counters;
 use super::interiors::Interiors;
-use super::path::Path;
 use super::renderer::Renderer;
-use super::shading::{color, emitted};
+use super::shading::color;
 use super::substance::Substance;
-use super::world::UPWARDS;
+use super::world::{SurfacePoint, UPWARDS};
 use crate::math::distribution::Discrete;
 use crate::math::robust::offset_from_surface;
 use crate::math::sampler::HashGenerator;
 use crate::math::{Frame, SampleStream, warp};
 use crate::plan::Kernel;
 use crate::radiometry::{Area, ProjectedSolidAngle, Radiance, RadiantFlux, Rgb};
-use crate::raycast::{Hit, RayCaster};
+use crate::raycast::{Hit, Ray, RayCaster};
 use crate::scene::Light;
 
 /// Streams beyond those of any pixel.
@@ -88,6 +91,21 @@ impl PowerBalance {
     }
 }
 
+/// A light as one that sends out rays.
+struct Lamp {
+    instance: u32,
+    /// By channel, W.
+    power: Rgb,
+    /// By area.
+    triangles: Discrete,
+}
+
+/// All of them, drawn by power.
+struct Lamps {
+    lamps: Vec<Lamp>,
+    by_power: Discrete,
+}
+
 /// The triangles of a scene, drawn by area.
 struct Surfaces {
     triangles: Vec<(u32, u32)>,
@@ -112,25 +130,84 @@ impl<C: RayCaster> Renderer<C> {
         let sphere_area = 4.0 * PI * radius * radius;
         let limit = self.depth_limit();
         self.limit_depth(Some(0));
-        let [escaped] = tally(samples, sphere_area, |i| [self.leaving(center, radius, i)]);
+        let through_sphere = flux(sphere_area);
+        let [straight] = tally(samples, through_sphere, |i| [self.leaving(center, radius, i)]);
         self.limit_depth(limit);
-        let [entered, left, gained] = tally(samples, sphere_area, |i| {
+        let [entered, left, gained] = tally(samples, through_sphere, |i| {
             let (entering, leaving) = (self.entering(center, radius, i), self.leaving(center, radius, i));
             [entering, leaving, entering - leaving]
         });
-        let [shone, absorbed, kept] = tally(samples, surfaces.area, |i| {
+        let [shone, absorbed, kept] = tally(samples, flux(surfaces.area), |i| {
             let (emitted, absorbed) = self.at_surface(&surfaces, i);
             [emitted, absorbed, emitted - absorbed]
         });
-        let of_lights = Power::exact(self.scene().lights.iter().filter_map(Light::power).sum());
+        let lamps = self.lamps();
+        let RadiantFlux(of_lights) = self.scene().lights.iter().filter_map(Light::power).sum();
+        let [escaped, arrived, hidden] = tally(samples, 1.0, |i| {
+            let (escaped, arrived) = self.from_lamp(&lamps, &surfaces, i);
+            [escaped, arrived, of_lights - escaped - arrived]
+        });
+        let of_lights = Power::exact(of_lights);
         Ok(PowerBalance {
             emitted: of_lights.plus(&shone),
             entered,
-            absorbed,
-            escaped,
-            scattered_out: left.less(&escaped),
-            residual: of_lights.plus(&gained).plus(&kept),
+            absorbed: absorbed.plus(&arrived),
+            escaped: straight.plus(&escaped),
+            scattered_out: left.less(&straight),
+            residual: hidden.plus(&gained).plus(&kept),
         })
+    }
+
+    fn lamps(&self) -> Lamps {
+        let of_instance = |instance: u32| {
+            let Substance::Light(light) = self.world.substance(instance) else { return None };
+            let area = |[a, b, c]: [Vec3; 3]| 0.5 * (b - a).cross(c - a).length();
+            let triangles = Discrete::new(self.world.triangles(instance).map(area));
+            Some(Lamp { instance, power: self.scene().lights[light].power()?.0, triangles })
+        };
+        let lamps: Vec<Lamp> = (0..self.world.substances().len() as u32).filter_map(of_instance).collect();
+        let by_power = Discrete::new(lamps.iter().map(|lamp| lamp.power.mean()));
+        Lamps { lamps, by_power }
+    }
+
+    /// The power of a ray that a lamp sends out and that leaves the scene, or that arrives at a surface; neither inside of a body.
+    fn from_lamp(&self, lamps: &Lamps, surfaces: &Surfaces, sample: u64) -> (Rgb, Rgb) {
+        let nothing = (Rgb::ZERO, Rgb::ZERO);
+        let mut random = HashGenerator::new(self.options.seed ^ sample.wrapping_mul(3).wrapping_add(2));
+        let Some((lamp, share, _)) = lamps.by_power.sample(random.next_f32()) else { return nothing };
+        let Lamp { instance, power, triangles } = &lamps.lamps[lamp];
+        let Some((primitive, _, _)) = triangles.sample(random.next_f32()) else { return nothing };
+        let point = self.random_point(*instance, primitive as u32, &mut random);
+        let local = warp::square_to_cosine_hemisphere(random.next_f32(), random.next_f32());
+        let direction = Frame::from_normal(point.geometric_normal).to_world(local);
+        let origin = offset_from_surface(point.position, point.error, point.geometric_normal, direction);
+        let power = *power / share;
+        let hit = self.world.caster().closest(&Ray::new(origin, direction));
+        let from_inside = |hit: &Hit| {
+            self.is_body(hit.instance, surfaces) && self.world.geometric_normal(hit).dot(direction) > 0.0
+        };
+        match hit {
+            _ if self.is_in_body(origin) => nothing,
+            None => (power, Rgb::ZERO),
+            Some(hit) if from_inside(&hit) => nothing,
+            Some(_) => (Rgb::ZERO, power),
+        }
+    }
+
+    fn random_point(&self, instance: u32, primitive: u32, random: &mut HashGenerator) -> SurfacePoint {
+        let barycentric = warp::square_to_triangle(random.next_f32(), random.next_f32());
+        let hit = Hit { t: 0.0, u: barycentric.x, v: barycentric.y, instance, primitive };
+        self.world.surface::<CAN>(&hit)
+    }
+
+    /// True for what goes on inside of which is its own: what is absorbed in it is what does not come out.
+    fn is_body(&self, instance: u32, surfaces: &Surfaces) -> bool {
+        let is_translucent = self.world.method(instance).is_some() && surfaces.is_closed[instance as usize];
+        is_translucent || self.world.interior(instance).is_some()
+    }
+
+    fn is_in_body(&self, point: Vec3) -> bool {
+        self.world.has_interiors() && self.world.interiors_at(point, UPWARDS).current().is_some()
     }
 
     fn surfaces(&self) -> Option<Surfaces> {
@@ -163,7 +240,7 @@ impl<C: RayCaster> Renderer<C> {
     /// Radiance that leaves through the sphere at a random point, in a random direction.
     fn leaving(&self, center: Vec3, radius: f32, sample: u64) -> Rgb {
         let (origin, direction) = crossing(center, radius, sample, self.options.seed);
-        self.found(origin, direction, &Interiors::default(), sample, 1)
+        self.found(origin, direction, sample, 1)
     }
 
     /// Radiance of the environment that comes in there, from the opposite side of the sphere.
@@ -178,13 +255,8 @@ impl<C: RayCaster> Renderer<C> {
         let mut random = HashGenerator::new(self.options.seed ^ sample.wrapping_mul(3).wrapping_add(1));
         let Some((index, _, _)) = surfaces.by_area.sample(random.next_f32()) else { return nothing };
         let (instance, primitive) = surfaces.triangles[index];
-        let barycentric = warp::square_to_triangle(random.next_f32(), random.next_f32());
-        let hit = Hit { t: 0.0, u: barycentric.x, v: barycentric.y, instance, primitive };
-        let point = self.world.surface::<CAN>(&hit);
-        // What goes on inside of a body is the body's own: what is absorbed in it is what does not come out.
-        let is_translucent = self.world.method(instance).is_some() && surfaces.is_closed[instance as usize];
-        let is_body = is_translucent || self.world.interior(instance).is_some();
-        let (side, sides) = match is_body {
+        let point = self.random_point(instance, primitive, &mut random);
+        let (side, sides) = match self.is_body(instance, surfaces) {
             true => (1.0, 1.0),
             false => (if random.next_f32() < 0.5 { 1.0 } else { -1.0 }, 2.0),
         };
@@ -195,31 +267,31 @@ impl<C: RayCaster> Renderer<C> {
             return nothing;
         }
         let origin = offset_from_surface(point.position, point.error, point.geometric_normal, outward);
-        if self.world.has_interiors() && self.world.interiors_at(origin, UPWARDS).current().is_some() {
+        if self.is_in_body(origin) {
             return nothing;
         }
-        let air = Interiors::default();
-        let arriving = self.found(origin, outward, &air, sample, 2);
-        let (own, of_light) = match self.world.substance(instance) {
-            Substance::Light(light) => (Rgb::ZERO, emitted(&self.scene().lights[light], &point, -outward)),
+        let own = match self.world.substance(instance) {
+            Substance::Light(_) => Rgb::ZERO,
             Substance::Material(material) => {
                 let material = &self.scene().materials[material];
                 let shines = material.double_sided || side > 0.0;
-                let own =
-                    if shines { color::<CAN>(self.scene(), &material.emission, &point) } else { Rgb::ZERO };
-                (own, Rgb::ZERO)
+                if shines { color::<CAN>(self.scene(), &material.emission, &point) } else { Rgb::ZERO }
             }
         };
-        let leaving = self.found(origin, -outward, &air, sample, 3);
-        (own * sides, (arriving - leaving + own + of_light) * sides)
+        let arriving = self.found(origin, outward, sample, 2);
+        let leaving = self.found(origin, -outward, sample, 3);
+        (own * sides, (arriving - leaving + own) * sides)
     }
 
-    /// Radiance that a path finds.
-    fn found(&self, origin: Vec3, direction: Vec3, interiors: &Interiors, sample: u64, part: u64) -> Rgb {
+    /// Radiance that a path from the air finds, but straight from a lamp.
+    fn found(&self, origin: Vec3, direction: Vec3, sample: u64, part: u64) -> Rgb {
+        let first = self.world.caster().closest(&Ray::new(origin, direction));
+        if first.is_some_and(|hit| matches!(self.world.substance(hit.instance), Substance::Light(_))) {
+            return Rgb::ZERO;
+        }
         let stream = SampleStream::new(self.options.seed, STREAMS + part, sample);
-        let mut counters = Counters::default();
         let radiance =
-            Path::<C, CAN>::new(self, stream, interiors, &mut counters).radiance(origin, direction);
+            self.follow(stream, &Interiors::default(), origin, direction, &mut Counters::default());
         if radiance.is_finite() { radiance } else { Rgb::ZERO }
     }
 }
@@ -235,11 +307,15 @@ fn crossing(center: Vec3, radius: f32, sample: u64, seed: u64) -> (Vec3, Vec3) {
     (center + normal * radius, Frame::from_normal(-normal).to_world(local))
 }
 
-/// Means of `K` radiances over an area (m²) and the directions on one side of it, as powers.
-fn tally<const K: usize>(samples: u64, area: f32, sample: impl Fn(u64) -> [Rgb; K] + Sync) -> [Power; K] {
+/// The power, W, that radiance 1 takes through an area (m²), in the directions on one side of it.
+fn flux(area: f32) -> f64 {
+    (Radiance(1.0).exitance(ProjectedSolidAngle::HEMISPHERE) * Area(area.into())).0
+}
+
+/// Means of `K` values, times `scale`.
+fn tally<const K: usize>(samples: u64, scale: f64, sample: impl Fn(u64) -> [Rgb; K] + Sync) -> [Power; K] {
     let drawn: Vec<[Rgb; K]> = (0..samples).into_par_iter().map(&sample).collect();
     let count = samples.max(2) as f64;
-    let of_one = Radiance(1.0).exitance(ProjectedSolidAngle::HEMISPHERE) * Area(area.into());
     let mean =
         |k: usize, c: usize| drawn.iter().map(|radiances| f64::from(radiances[k][c])).sum::<f64>() / count;
     let error = |k: usize, c: usize, mean: f64| {
@@ -249,15 +325,15 @@ fn tally<const K: usize>(samples: u64, area: f32, sample: impl Fn(u64) -> [Rgb; 
     array::from_fn(|k| {
         let means: [f64; 3] = array::from_fn(|c| mean(k, c));
         Power {
-            value: means.map(|mean| mean * of_one.0),
-            stderr: array::from_fn(|c| error(k, c, means[c]) * of_one.0),
+            value: means.map(|mean| mean * scale),
+            stderr: array::from_fn(|c| error(k, c, means[c]) * scale),
         }
     })
 }
 
 impl Power {
-    fn exact(power: RadiantFlux<Rgb>) -> Self {
-        Self { value: power.0.0.map(f64::from), stderr: [0.0; 3] }
+    fn exact(power: Rgb) -> Self {
+        Self { value: power.0.map(f64::from), stderr: [0.0; 3] }
     }
 
     fn plus(&self, other: &Self) -> Self {

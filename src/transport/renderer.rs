@@ -3,18 +3,18 @@
 use glam::Vec3;
 use thiserror::Error;
 
+use super::basis::Tristimulus;
 use super::clearance::Clearance;
-use super::counters::Counters;
+use super::exposure::filled;
 use super::interiors::Interiors;
 use super::light_sampling::LightSampler;
-use super::path::{Path, place};
 use super::recenter::recenter;
 use super::scatterer::{Scatterer, ScattererError, Uses};
+use super::spectra::{SceneSpectra, SpectraError};
 use super::substance::Substance;
 use super::warnings::warnings;
 use super::world::{UPWARDS, World};
 use crate::diffusion::{ModelKind, ProfileKind};
-use crate::math::SampleStream;
 use crate::math::robust::offset_from_surface;
 use crate::plan::{Abilities, ForceError, Forces, Kernel, Plan, Request};
 use crate::radiometry::Rgb;
@@ -82,6 +82,9 @@ pub enum RenderError {
         "this program was built without code for what the scene needs; build it without `alabaster_without`"
     )]
     LeftOut,
+    /// Something has no spectrum.
+    #[error(transparent)]
+    Spectra(#[from] SpectraError),
 }
 
 /// Surfaces of clear bodies that one looks through for what is behind.
@@ -103,13 +106,15 @@ pub struct Renderer<C> {
     plan: Plan,
     kernel: Kernel,
     /// Where the origin of the renderer's coordinates is in the scene as it was given, m.
-    center: Vec3,
+    pub(super) center: Vec3,
     /// By instance: some light lies in the bounding box of a body that paths walk in.
     lit_inside: Vec<bool>,
     /// By instance: free space in bodies that paths walk in, where it is used.
     clearances: Vec<Option<Clearance>>,
-    camera: CameraRays,
-    camera_interiors: Interiors,
+    pub(super) camera: CameraRays,
+    pub(super) camera_interiors: Interiors,
+    /// The scene by wavelength, where paths carry wavelengths.
+    pub(super) spectra: Option<SceneSpectra>,
 }
 
 impl<C: RayCaster> Renderer<C> {
@@ -145,7 +150,17 @@ impl<C: RayCaster> Renderer<C> {
         let mut scatterers = (0..scene.materials.len())
             .map(|material| Scatterer::new(scene, material, &uses(material)))
             .collect::<Result<Vec<_>, _>>()?;
-        let camera_interiors = interiors_at(&world, &scatterers, scene.camera.position, UPWARDS);
+        let around_camera = world.interiors_at(scene.camera.position, UPWARDS);
+        let camera_interiors = filled(&world, &scatterers, &Tristimulus, &around_camera);
+        let spectra = match kernel {
+            Kernel::Spectral => Some(SceneSpectra::new(scene)?),
+            _ => None,
+        };
+        for (material, scatterer) in scatterers.iter_mut().enumerate() {
+            if let (Some(scatterer), Some(spectra)) = (scatterer, &spectra) {
+                spectra.prepare(scatterer, material)?;
+            }
+        }
         let has_passages = has_walks && has_passages(&world);
         let lit_inside = (0..world.substances().len() as u32).map(|i| is_lit_inside(&world, i)).collect();
         let clearances = clearances(&world, &scatterers, options.spheres);
@@ -165,6 +180,7 @@ impl<C: RayCaster> Renderer<C> {
             clearances,
             camera,
             camera_interiors,
+            spectra,
         })
     }
 
@@ -255,47 +271,9 @@ impl<C: RayCaster> Renderer<C> {
         None
     }
 
-    /// Radiance, W/(m² sr), that sample number `sample` of pixel (`x`, `y`) brings to the film. By the generic kernel: a film is
-    /// faster [exposed](Self::expose), to the same bits.
-    pub fn sample(&self, x: u32, y: u32, sample: u64, counters: &mut Counters) -> Rgb {
-        self.sample_by::<{ Kernel::Generic.abilities().bits() }>(x, y, sample, counters)
-    }
-
-    /// The same by the kernel with the abilities `CAN`.
-    pub(super) fn sample_by<const CAN: u32>(
-        &self,
-        x: u32,
-        y: u32,
-        sample: u64,
-        counters: &mut Counters,
-    ) -> Rgb {
-        let film = self.scene().film;
-        let pixel = u64::from(y) * u64::from(film.width) + u64::from(x);
-        let stream = SampleStream::new(self.options.seed, pixel, sample);
-        let [u, v, lens_u, lens_v] = stream.quad(place::CAMERA);
-        let [dx, dy] = film.filter.sample([u, v]);
-        let on_film = [(x as f32 + 0.5 + dx) / film.width as f32, (y as f32 + 0.5 + dy) / film.height as f32];
-        let ray = self.camera.ray(on_film, [lens_u, lens_v]);
-        Path::<C, CAN>::new(self, stream, &self.camera_interiors, counters)
-            .radiance(ray.origin, ray.direction)
-    }
-
-    /// Radiance, W/(m² sr), that sample number `sample` finds to arrive at `origin` (m) from unit `direction`, by the generic kernel.
-    pub fn radiance(&self, origin: Vec3, direction: Vec3, sample: u64, counters: &mut Counters) -> Rgb {
-        let stream = SampleStream::new(self.options.seed, u64::MAX, sample);
-        let origin = origin - self.center;
-        let interiors = self.interiors_at(origin, UPWARDS);
-        Path::<C, { Kernel::Generic.abilities().bits() }>::new(self, stream, &interiors, counters)
-            .radiance(origin, direction)
-    }
-
     /// What is wrong with the scene as it is rendered, and what is assumed.
     pub fn warnings(&self) -> Vec<String> {
         warnings(&self.world)
-    }
-
-    pub(super) fn interiors_at(&self, position: Vec3, direction: Vec3) -> Interiors {
-        interiors_at(&self.world, &self.scatterers, position, direction)
     }
 
     pub(super) fn is_lit_inside(&self, instance: u32) -> bool {
@@ -348,7 +326,7 @@ fn clearances<C: RayCaster>(
     let clearance = |instance: u32| {
         let near = world.surroundings(instance).filter(|_| wanted)?;
         let Substance::Material(material) = world.substance(instance) else { return None };
-        let medium = scatterers[material].as_ref()?.medium(1.0, albedo_factor);
+        let medium = scatterers[material].as_ref()?.medium(&Tristimulus, 1.0, albedo_factor);
         let turned = |[a, b, c]: [Vec3; 3]| [a, c, b];
         let faces = |other: u32| {
             world
@@ -376,24 +354,6 @@ fn is_clear(surface: &Surface) -> bool {
         Surface::MetallicRoughness(m) => m.transmission.factor > 0.0,
         _ => false,
     }
-}
-
-/// The bodies around `position`, found by a ray in `direction`, filled. Where an albedo is textured there is no point of entry to look it up at: its
-/// factor stands for it.
-fn interiors_at<C: RayCaster>(
-    world: &World<C>,
-    scatterers: &[Option<Scatterer>],
-    position: Vec3,
-    direction: Vec3,
-) -> Interiors {
-    let mut interiors = world.interiors_at(position, direction);
-    let around = interiors;
-    for body in interiors.iter_mut().filter(|body| world.is_walked(body.instance)) {
-        let Substance::Material(material) = world.substance(body.instance) else { continue };
-        let Some(scatterer) = &scatterers[material] else { continue };
-        body.medium = scatterer.medium(around.ior_around(body.instance), albedo_factor);
-    }
-    interiors
 }
 
 /// True if there can be surfaces of bodies that light goes straight through.

@@ -1,16 +1,20 @@
 //! Translucent materials made ready: boundary, albedo and profile for each surrounding they can have.
 
+use std::array;
+
 use thiserror::Error;
 
+use super::basis::Basis;
 use super::form::{Form, FormError, profile_kind};
 use super::guide::Guide;
-use super::spheres::Spheres;
+use super::spheres::SphereTable;
 use super::spread::{Spread, Spreading, resolvable};
 use crate::diffusion::{DirectionalWeightTable, HalfSpaceError, ModelKind, NormalizedDiffusion, ProfileKind};
 use crate::medium::albedo_inversion::unreduced_share;
 use crate::medium::{Medium, PlanarAlbedo};
 use crate::optics::{Boundary, Interface, fresnel_dielectric};
-use crate::radiometry::Rgb;
+use crate::radiometry::spectrum::regular::ROWS;
+use crate::radiometry::{Rgb, Spectrum};
 use crate::scene::{ScatteringInput, Scene, Surface};
 
 /// A material has no such profile.
@@ -34,22 +38,26 @@ pub struct Immersed {
     form: Form,
     /// Where nothing is textured.
     constant: Option<Local>,
+    /// The same by wavelength, where paths carry wavelengths.
+    by_wavelength: Option<Box<Local<ROWS>>>,
     /// Steps of walks on spheres, where they have been prepared.
-    spheres: Option<Spheres>,
+    spheres: Option<SphereTable<3>>,
+    /// The same by wavelength, where paths carry wavelengths.
+    spheres_by_wavelength: Option<Box<SphereTable<ROWS>>>,
     /// Of walks in the medium where nothing is textured, and the medium.
     guide: Option<(Medium, Option<Guide>)>,
 }
 
 /// The medium at a point.
 #[derive(Clone, Copy, Debug)]
-pub struct Local {
+pub struct Local<const N: usize = 3> {
     /// Share of the light entered that leaves again, on a plane.
-    pub albedo: Rgb,
+    pub albedo: Spectrum<N>,
     /// 1 − α': share absorbed at a collision of the reduced medium.
-    pub absorbed: Rgb,
+    pub absorbed: Spectrum<N>,
     /// The scale of the profiles, m: the shape parameter d of normalized diffusion, the reduced mean free path
     /// 1/σ_t' of all others.
-    pub length: Rgb,
+    pub length: Spectrum<N>,
 }
 
 /// What a translucent material is prepared for.
@@ -63,20 +71,37 @@ pub struct Uses {
     pub walks: bool,
 }
 
+/// What a translucent material is given by, but for an albedo.
+#[derive(Clone, Copy, Debug)]
+pub enum Given<const N: usize> {
+    /// Its coefficients.
+    Medium(Medium<N>),
+    /// With an albedo.
+    FreePath {
+        /// 1/σ_t, m.
+        length: Spectrum<N>,
+        /// Mean cosine of the phase function.
+        g: f32,
+    },
+}
+
 /// A translucent material, for every surrounding that the scene can give it.
 pub struct Scatterer {
     input: ScatteringInput,
+    given: Given<3>,
+    /// The same by wavelength, where paths carry wavelengths.
+    given_by_wavelength: Option<Box<Given<ROWS>>>,
     immersed: Vec<Immersed>,
 }
 
 /// What a translucent surface does at a point.
-pub struct Scattering<'a> {
+pub struct Scattering<'a, const N: usize = 3> {
     /// The boundary.
     pub boundary: &'a Boundary,
     /// The medium, its length such as the body can resolve.
-    pub local: Local,
+    pub local: Local<N>,
     /// Profiles.
-    pub spreading: Spreading<'a>,
+    pub spreading: Spreading<'a, N>,
 }
 
 impl Immersed {
@@ -98,7 +123,9 @@ impl Immersed {
             kind,
             form,
             constant: None,
+            by_wavelength: None,
             spheres: None,
+            spheres_by_wavelength: None,
             guide: None,
         })
     }
@@ -114,19 +141,22 @@ impl Immersed {
     }
 
     /// Steps of walks on spheres, if they have been prepared and the medium has them.
-    pub fn spheres(&self) -> Option<&Spheres> {
+    pub fn spheres(&self) -> Option<&SphereTable<3>> {
         self.spheres.as_ref()
     }
 
-    /// The guide of walks in `medium`, if they are worth to be guided.
-    pub fn guide(&self, medium: &Medium) -> Option<Guide> {
-        match &self.guide {
-            Some((prepared, guide)) if prepared == medium => *guide,
-            _ => self.new_guide(medium),
-        }
+    /// The same by wavelength.
+    pub fn spheres_by_wavelength(&self) -> Option<&SphereTable<ROWS>> {
+        self.spheres_by_wavelength.as_deref()
     }
 
-    fn new_guide(&self, medium: &Medium) -> Option<Guide> {
+    /// The medium where nothing is textured, and the guide of walks in it if they are worth to be guided.
+    pub fn prepared_guide(&self) -> Option<&(Medium, Option<Guide>)> {
+        self.guide.as_ref()
+    }
+
+    /// The guide of walks in `medium`, if they are worth to be guided.
+    pub fn new_guide<const N: usize>(&self, medium: &Medium<N>) -> Option<Guide<N>> {
         Guide::new(medium, &self.planar, fresnel_dielectric(1.0, self.boundary.eta()).reflectance)
     }
 
@@ -146,6 +176,52 @@ impl Immersed {
             Form::Normalized => None,
             Form::Shaped { directional, .. } => directional.as_ref(),
         }
+    }
+}
+
+impl Immersed {
+    /// The medium at a point; `wanted` is the albedo asked for, where there is one.
+    fn resolve<const N: usize>(&self, given: &Given<N>, wanted: Spectrum<N>) -> Local<N> {
+        match given {
+            Given::Medium(medium) => {
+                let absorbed = medium.absorbed_share_reduced();
+                let free_path = medium.sigma_t_reduced().map(|t| 1.0 / t);
+                self.local(absorbed.map(|x| self.planar.albedo(x)), absorbed, free_path)
+            }
+            Given::FreePath { length, g } => {
+                let albedo = wanted.map(|a| a.clamp(0.0, 1.0));
+                let absorbed = albedo.map(|a| self.planar.absorbed_share(a));
+                // With x = σ_a/σ_t' and σ_t = σ_a + σ_s,
+                // σ_t/σ_t' = x + (1−x)/(1−g).
+                let free_path = length.zip(absorbed, |l, x| l * (x + (1.0 - x) / (1.0 - g)));
+                self.local(albedo, absorbed, free_path)
+            }
+        }
+    }
+
+    fn local<const N: usize>(
+        &self,
+        albedo: Spectrum<N>,
+        absorbed: Spectrum<N>,
+        free_path: Spectrum<N>,
+    ) -> Local<N> {
+        let length = match self.form {
+            Form::Normalized => absorbed.zip(free_path, |x, l| {
+                NormalizedDiffusion::from_albedo(PlanarAlbedo::matched().albedo(x), l).d
+            }),
+            Form::Shaped { .. } => free_path,
+        };
+        Local { albedo, absorbed, length }
+    }
+
+    /// What it is where nothing is textured.
+    pub fn constant(&self) -> Option<&Local> {
+        self.constant.as_ref()
+    }
+
+    /// The same by wavelength, if that has been prepared.
+    pub fn by_wavelength(&self) -> Option<&Local<ROWS>> {
+        self.by_wavelength.as_deref()
     }
 }
 
@@ -171,7 +247,17 @@ impl Scatterer {
                 around.push(ior);
             }
         }
-        let mut scatterer = Self { input: medium.clone(), immersed: Vec::new() };
+        let given = match *medium {
+            ScatteringInput::Coefficients { sigma_a, sigma_s, g }
+            | ScatteringInput::Spectral { sigma_a, sigma_s, g, .. } => {
+                Given::Medium(Medium { sigma_a, sigma_s, g })
+            }
+            ScatteringInput::Albedo { mean_free_path, g, .. } => {
+                Given::FreePath { length: mean_free_path, g }
+            }
+        };
+        let mut scatterer =
+            Self { input: medium.clone(), given, given_by_wavelength: None, immersed: Vec::new() };
         let g = f64::from(medium.g());
         for ior_around in around {
             let eta = f64::from(ior / ior_around);
@@ -184,9 +270,9 @@ impl Scatterer {
             let immersed = Immersed::new(ior_around, eta as f32, *roughness, medium, kind);
             let mut immersed = immersed.map_err(|problem| failed(problem.into()))?;
             immersed.interface = uses.walked.then(|| Interface::new(eta as f32, roughness * roughness));
-            immersed.constant = scatterer.constant(&immersed);
+            immersed.constant = scatterer.constant().map(|albedo| immersed.resolve(&given, albedo));
             if let Some(local) = immersed.constant.filter(|_| uses.walked) {
-                let medium = scatterer.medium_of(&local);
+                let medium = given.medium(&local);
                 immersed.guide = Some((medium, immersed.new_guide(&medium)));
             }
             scatterer.immersed.push(immersed);
@@ -194,12 +280,17 @@ impl Scatterer {
         Ok(Some(scatterer))
     }
 
-    /// Prepares the steps of walks on spheres, where nothing is textured: some 100 µs and 150 kB for each surrounding.
+    /// Prepares the steps of walks on spheres, where nothing is textured: some 100 µs and 150 kB for each surrounding,
+    /// thirty times that where paths carry wavelengths.
     /// With `similarity`, also those of anisotropic media.
     pub fn prepare_spheres(&mut self, similarity: bool) {
         for i in 0..self.immersed.len() {
-            let medium = self.immersed[i].constant.map(|local| self.medium_of(&local));
-            self.immersed[i].spheres = medium.and_then(|medium| Spheres::new(medium, similarity));
+            let medium = self.immersed[i].constant.map(|local| self.given.medium(&local));
+            self.immersed[i].spheres = medium.and_then(|medium| SphereTable::new(medium, similarity));
+            let spectral = self.given_by_wavelength.as_ref().zip(self.immersed[i].by_wavelength.as_ref());
+            let spectral = spectral.map(|(given, local)| given.medium(local));
+            let table = spectral.and_then(|medium| SphereTable::new(medium, similarity));
+            self.immersed[i].spheres_by_wavelength = table.map(Box::new);
         }
     }
 
@@ -224,14 +315,15 @@ impl Scatterer {
 
     /// The material at a point of a body of the given diameter, inside a medium of index `ior_around`.
     /// `albedo` looks up the albedo where it is textured.
-    pub fn at(
+    pub fn at<B: Basis<N>, const N: usize>(
         &self,
+        basis: &B,
         ior_around: f32,
         diameter: f32,
-        albedo: impl FnOnce(&ScatteringInput) -> Rgb,
-    ) -> Scattering<'_> {
+        albedo: impl FnOnce(&ScatteringInput) -> Spectrum<N>,
+    ) -> Scattering<'_, N> {
         let immersed = self.immersed(ior_around);
-        let mut local = self.local_in(immersed, albedo);
+        let mut local = self.local_in(basis, immersed, albedo);
         local.length = local.length.map(|length| resolvable(length, diameter));
         let spreading = match &immersed.form {
             Form::Normalized => Spreading::Normalized(Spread::new(
@@ -240,7 +332,7 @@ impl Scatterer {
             )),
             Form::Shaped { shapes, .. } => {
                 let shape = |c: usize| shapes.shape(local.absorbed[c], local.length[c]);
-                Spreading::Shaped(Spread::new([shape(0), shape(1), shape(2)], diameter))
+                Spreading::Shaped(Spread::new(array::from_fn(shape), diameter))
             }
         };
         Scattering { boundary: &immersed.boundary, local, spreading }
@@ -248,71 +340,75 @@ impl Scatterer {
 
     /// What scatters at a point of a body inside a medium of index `ior_around`: the medium of which [`Self::at`]
     /// gives albedo and profile. `albedo` looks up the albedo where it is textured.
-    pub fn medium(&self, ior_around: f32, albedo: impl FnOnce(&ScatteringInput) -> Rgb) -> Medium {
-        self.medium_of(&self.local_in(self.immersed(ior_around), albedo))
+    pub fn medium<B: Basis<N>, const N: usize>(
+        &self,
+        basis: &B,
+        ior_around: f32,
+        albedo: impl FnOnce(&ScatteringInput) -> Spectrum<N>,
+    ) -> Medium<N> {
+        basis.given(self).medium(&self.local_in(basis, self.immersed(ior_around), albedo))
     }
 
-    fn medium_of(&self, local: &Local) -> Medium {
-        match &self.input {
-            ScatteringInput::Coefficients { sigma_a, sigma_s, g }
-            | ScatteringInput::Spectral { sigma_a, sigma_s, g, .. } => {
-                Medium { sigma_a: *sigma_a, sigma_s: *sigma_s, g: *g }
-            }
-            ScatteringInput::Albedo { mean_free_path, g, .. } => {
-                let absorbed = local.absorbed.map(|x| unreduced_share(f64::from(x), f64::from(*g)) as f32);
-                let sigma_t = mean_free_path.map(|l| 1.0 / l);
-                Medium { sigma_a: absorbed * sigma_t, sigma_s: (Rgb::ONE - absorbed) * sigma_t, g: *g }
-            }
-        }
+    fn local_in<B: Basis<N>, const N: usize>(
+        &self,
+        basis: &B,
+        immersed: &Immersed,
+        albedo: impl FnOnce(&ScatteringInput) -> Spectrum<N>,
+    ) -> Local<N> {
+        basis.constant(immersed).unwrap_or_else(|| immersed.resolve(&basis.given(self), albedo(&self.input)))
     }
 
-    fn local_in(&self, immersed: &Immersed, albedo: impl FnOnce(&ScatteringInput) -> Rgb) -> Local {
-        immersed.constant.unwrap_or_else(|| self.resolve(immersed, albedo(&self.input)))
-    }
-
-    /// The material inside a medium of index `ior_around`.
+    /// The material inside a medium of index `ior_around`: where that depends on the wavelength, inside the one it is nearest to.
     pub fn immersed(&self, ior_around: f32) -> &Immersed {
-        self.immersed.iter().find(|i| i.ior_around == ior_around).unwrap_or(&self.immersed[0])
+        let distance = |immersed: &&Immersed| (immersed.ior_around - ior_around).abs();
+        let nearest = || self.immersed.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let found = self.immersed.iter().find(|i| i.ior_around == ior_around).or_else(nearest);
+        found.unwrap_or(&self.immersed[0])
     }
 
-    fn constant(&self, immersed: &Immersed) -> Option<Local> {
+    /// What the scene gives it by.
+    pub fn input(&self) -> &ScatteringInput {
+        &self.input
+    }
+
+    /// What it is given by.
+    pub fn given(&self) -> &Given<3> {
+        &self.given
+    }
+
+    /// The same by wavelength, if that has been prepared.
+    pub fn given_by_wavelength(&self) -> Option<&Given<ROWS>> {
+        self.given_by_wavelength.as_deref()
+    }
+
+    /// Prepares it for paths that carry wavelengths, from what it is `given` by and the factor of its albedo, where it has one.
+    pub fn prepare_wavelengths(&mut self, given: Given<ROWS>, albedo: Spectrum<ROWS>) {
+        let is_constant = self.constant().is_some();
+        for immersed in &mut self.immersed {
+            immersed.by_wavelength = is_constant.then(|| Box::new(immersed.resolve(&given, albedo)));
+        }
+        self.given_by_wavelength = Some(Box::new(given));
+    }
+
+    /// The albedo where nothing varies; 0 where there is none.
+    fn constant(&self) -> Option<Rgb> {
         match &self.input {
-            ScatteringInput::Albedo { albedo, .. } if albedo.texture.is_some() || albedo.vertex_color => None,
-            ScatteringInput::Albedo { albedo, .. } => Some(self.resolve(immersed, albedo.factor)),
-            ScatteringInput::Coefficients { .. } | ScatteringInput::Spectral { .. } => {
-                Some(self.resolve(immersed, Rgb::ZERO))
-            }
+            ScatteringInput::Albedo { albedo, .. } => (!albedo.varies()).then_some(albedo.factor),
+            ScatteringInput::Coefficients { .. } | ScatteringInput::Spectral { .. } => Some(Rgb::ZERO),
         }
     }
+}
 
-    /// The medium; `wanted` is the reflectance asked for, where the input is one.
-    fn resolve(&self, immersed: &Immersed, wanted: Rgb) -> Local {
-        match &self.input {
-            ScatteringInput::Coefficients { sigma_a, sigma_s, g }
-            | ScatteringInput::Spectral { sigma_a, sigma_s, g, .. } => {
-                let medium = Medium { sigma_a: *sigma_a, sigma_s: *sigma_s, g: *g };
-                let absorbed = medium.absorbed_share_reduced();
-                let free_path = medium.sigma_t_reduced().map(|t| 1.0 / t);
-                self.local(immersed, absorbed.map(|x| immersed.planar.albedo(x)), absorbed, free_path)
-            }
-            ScatteringInput::Albedo { mean_free_path, g, .. } => {
-                let albedo = wanted.map(|a| a.clamp(0.0, 1.0));
-                let absorbed = albedo.map(|a| immersed.planar.absorbed_share(a));
-                // With x = σ_a/σ_t' and σ_t = σ_a + σ_s,
-                // σ_t/σ_t' = x + (1−x)/(1−g).
-                let free_path = mean_free_path.zip(absorbed, |l, x| l * (x + (1.0 - x) / (1.0 - g)));
-                self.local(immersed, albedo, absorbed, free_path)
+impl<const N: usize> Given<N> {
+    /// The medium that is `local` at a point.
+    fn medium(&self, local: &Local<N>) -> Medium<N> {
+        match *self {
+            Self::Medium(medium) => medium,
+            Self::FreePath { length, g } => {
+                let absorbed = local.absorbed.map(|x| unreduced_share(f64::from(x), f64::from(g)) as f32);
+                let sigma_t = length.map(|l| 1.0 / l);
+                Medium { sigma_a: absorbed * sigma_t, sigma_s: (Spectrum::ONE - absorbed) * sigma_t, g }
             }
         }
-    }
-
-    fn local(&self, immersed: &Immersed, albedo: Rgb, absorbed: Rgb, free_path: Rgb) -> Local {
-        let length = match immersed.form {
-            Form::Normalized => absorbed.zip(free_path, |x, l| {
-                NormalizedDiffusion::from_albedo(PlanarAlbedo::matched().albedo(x), l).d
-            }),
-            Form::Shaped { .. } => free_path,
-        };
-        Local { albedo, absorbed, length }
     }
 }

@@ -2,14 +2,16 @@
 
 use glam::{Vec3, Vec4Swizzles};
 
+use super::basis::Basis;
 use super::light_choice::Receiver;
+use super::spectra::Part;
 use super::world::SurfacePoint;
 use crate::math::sampler::HashGenerator;
 use crate::optics::{Bsdf, BsdfSample, Dielectric, Interface, Metal, MetallicRoughness};
 use crate::plan::Abilities;
-use crate::radiometry::Rgb;
+use crate::radiometry::{Rgb, Spectrum};
 use crate::scene::material::Coverage;
-use crate::scene::{ColorInput, Light, ScalarInput, Scene, Surface};
+use crate::scene::{ColorInput, ScalarInput, Scene, Surface};
 
 /// The normals of a point, turned to the side that counts as outside.
 #[derive(Clone, Copy, Debug)]
@@ -132,33 +134,35 @@ pub fn is_covered<const CAN: u32>(scene: &Scene, material: usize, surface: &Surf
     }
 }
 
-/// Radiance that `light` sends from `surface` against `direction`.
-pub fn emitted(light: &Light, surface: &SurfacePoint, direction: Vec3) -> Rgb {
-    if direction.dot(surface.geometric_normal) >= 0.0 {
-        return Rgb::ZERO;
-    }
-    match light {
-        Light::Quad { radiance, .. } | Light::Disk { radiance, .. } | Light::Sphere { radiance, .. } => {
-            radiance.rgb
-        }
-        Light::Point { .. } | Light::Spot { .. } | Light::Directional { .. } => Rgb::ZERO,
+/// Radiance that the light `index` of the scene sends from `surface` against `direction`.
+pub fn emitted<B: Basis<N>, const N: usize>(
+    basis: &B,
+    scene: &Scene,
+    index: usize,
+    surface: &SurfacePoint,
+    direction: Vec3,
+) -> Spectrum<N> {
+    let light = &scene.lights[index];
+    match light.has_size() && direction.dot(surface.geometric_normal) < 0.0 {
+        true => basis.light(index, light),
+        false => Spectrum::ZERO,
     }
 }
 
 /// What scatters light at a point of a surface.
-pub enum Lobes<'a> {
+pub enum Lobes<'a, const N: usize = 3> {
     /// Light is scattered as the material says.
-    Bsdf(Bsdf),
+    Bsdf(Bsdf<N>),
     /// The boundary of a body that paths walk in.
     Interface(&'a Interface),
 }
 
-impl Lobes<'_> {
+impl<const N: usize> Lobes<'_, N> {
     /// f·|cos_i|, 1/sr, in the local frame; delta lobes are left out.
-    pub fn evaluate(&self, wo: Vec3, wi: Vec3) -> Rgb {
+    pub fn evaluate(&self, wo: Vec3, wi: Vec3) -> Spectrum<N> {
         match self {
             Self::Bsdf(bsdf) => bsdf.evaluate(wo, wi),
-            Self::Interface(interface) => interface.evaluate(wo, wi),
+            Self::Interface(interface) => Spectrum::splat(interface.evaluate(wo, wi)),
         }
     }
 
@@ -171,7 +175,7 @@ impl Lobes<'_> {
     }
 
     /// Draws where the light that leaves along `wo` comes from, with `u`, or `random` where more numbers may be needed.
-    pub fn sample(&self, wo: Vec3, u: [f32; 3], random: &mut HashGenerator) -> Option<BsdfSample> {
+    pub fn sample(&self, wo: Vec3, u: [f32; 3], random: &mut HashGenerator) -> Option<BsdfSample<N>> {
         match self {
             Self::Bsdf(bsdf) => bsdf.sample(wo, u),
             Self::Interface(interface) => interface.sample(wo, || random.next_f32()),
@@ -186,6 +190,11 @@ impl Lobes<'_> {
         }
     }
 
+    /// True if all that light meets is a smooth boundary between two clear media.
+    pub fn is_smooth_dielectric(&self) -> bool {
+        matches!(self, Self::Bsdf(Bsdf::Dielectric(dielectric)) if dielectric.is_smooth())
+    }
+
     /// True if light can come from the other side of the surface.
     pub fn transmits(&self) -> bool {
         match self {
@@ -196,21 +205,27 @@ impl Lobes<'_> {
 }
 
 /// The BSDF at a point of a body surrounded by index `ior_around`.
-pub fn resolve_bsdf<const CAN: u32>(
+pub fn resolve_bsdf<B: Basis<N>, const N: usize, const CAN: u32>(
+    basis: &B,
     scene: &Scene,
     material: usize,
     surface: &SurfacePoint,
     ior_around: f32,
-) -> Bsdf {
+) -> Bsdf<N> {
     let share = |input| scalar::<CAN>(scene, input, surface).clamp(0.0, 1.0);
-    let reflectance = |input| color::<CAN>(scene, input, surface).map(|x: f32| x.clamp(0.0, 1.0));
+    let part = |part, input| {
+        let rgb = color::<CAN>(scene, input, surface).map(|x: f32| x.clamp(0.0, 1.0));
+        basis.share(material, part, input, rgb)
+    };
+    let reflectance = |input| part(Part::Surface, input);
+    let eta = |ior| basis.ior(material, ior, 0) / ior_around;
     match &scene.materials[material].surface {
         Surface::Diffuse { reflectance: input } => Bsdf::Diffuse { reflectance: reflectance(input) },
         Surface::Metal { reflectance: input, roughness } => {
             Bsdf::Metal(Metal { reflectance_normal: reflectance(input), alpha: share(roughness).powi(2) })
         }
         Surface::Dielectric { ior, roughness, tint, .. } => Bsdf::Dielectric(Dielectric {
-            eta: ior / ior_around,
+            eta: eta(*ior),
             alpha: share(roughness).powi(2),
             tint: reflectance(tint),
         }),
@@ -218,17 +233,17 @@ pub fn resolve_bsdf<const CAN: u32>(
             base_color: reflectance(&m.base_color),
             metallic: share(&m.metallic),
             alpha: share(&m.roughness).powi(2),
-            eta: m.ior / ior_around,
+            eta: eta(m.ior),
             transmission: share(&m.transmission),
             diffuse_transmission: share(&m.diffuse_transmission),
-            diffuse_transmission_color: reflectance(&m.diffuse_transmission_color),
+            diffuse_transmission_color: part(Part::DiffuseTransmission, &m.diffuse_transmission_color),
             thin: m.thin,
         }),
         // Smooth, of a body that paths walk in: rough ones have their `Interface`, and the area integral its boundary.
         Surface::Translucent { ior, roughness, .. } => Bsdf::Dielectric(Dielectric {
             eta: ior / ior_around,
             alpha: roughness * roughness,
-            tint: Rgb::ONE,
+            tint: Spectrum::ONE,
         }),
     }
 }

@@ -1,24 +1,24 @@
-//! The profiles of the three colour channels on a body, and the choice between the channels.
+//! The profiles of the colour channels on a body, and the choice between the channels.
 
 use crate::diffusion::{NormalizedDiffusion, Profile, Shape};
-use crate::radiometry::Rgb;
+use crate::radiometry::Spectrum;
 
 /// The profiles of a material, in one of the two forms that are evaluated at points of a surface: the closed one,
 /// and the tabulated one of all others. The choice is made once for each area integral.
 #[derive(Clone, Copy, Debug)]
-pub enum Spreading<'a> {
+pub enum Spreading<'a, const N: usize = 3> {
     /// Closed form.
-    Normalized(Spread<NormalizedDiffusion>),
+    Normalized(Spread<NormalizedDiffusion, N>),
     /// Tabulated form.
-    Shaped(Spread<Shape<'a>>),
+    Shaped(Spread<Shape<'a>, N>),
 }
 
-/// The profiles of the three channels, cut where no point of the body can be.
+/// The profiles of the channels, cut where no point of the body can be.
 #[derive(Clone, Copy, Debug)]
-pub struct Spread<P> {
-    profiles: [P; 3],
+pub struct Spread<P, const N: usize = 3> {
+    profiles: [P; N],
     /// Energy of each profile within the body's diameter.
-    within: [f32; 3],
+    within: [f32; N],
     diameter: f32,
     /// All channels have the same profile.
     gray: bool,
@@ -30,13 +30,13 @@ pub fn resolvable(length: f32, diameter: f32) -> f32 {
     length.clamp(1e-9 * diameter, 1e4 * diameter)
 }
 
-impl<P: Profile + Copy + PartialEq> Spread<P> {
+impl<P: Profile + Copy + PartialEq, const N: usize> Spread<P, N> {
     /// `profiles` by channel, of [resolvable] scale, on a body whose points are at most `diameter` (m) apart.
     /// Distances beyond it are never drawn; no energy is lost by that, as nothing is there.
-    pub fn new(profiles: [P; 3], diameter: f32) -> Self {
-        let gray = profiles[0] == profiles[1] && profiles[0] == profiles[2];
+    pub fn new(profiles: [P; N], diameter: f32) -> Self {
+        let gray = profiles.iter().all(|profile| *profile == profiles[0]);
         let within = if gray {
-            [profiles[0].cumulative(diameter); 3]
+            [profiles[0].cumulative(diameter); N]
         } else {
             profiles.map(|p| p.cumulative(diameter))
         };
@@ -44,23 +44,23 @@ impl<P: Profile + Copy + PartialEq> Spread<P> {
     }
 }
 
-impl<P: Profile + Copy> Spread<P> {
+impl<P: Profile + Copy, const N: usize> Spread<P, N> {
     /// The profile of a channel.
     pub(super) fn profile(&self, channel: usize) -> &P {
         &self.profiles[channel]
     }
 
     /// Energy of each profile within the body's diameter.
-    pub(super) fn within(&self) -> [f32; 3] {
+    pub(super) fn within(&self) -> [f32; N] {
         self.within
     }
 
     /// R_c(r)/∫R_c within the diameter, for each channel that carries light.
-    pub(super) fn densities(&self, radius: f32, channels: Channels) -> Rgb {
+    pub(super) fn densities(&self, radius: f32, channels: Channels<N>) -> Spectrum<N> {
         if self.gray {
-            return Rgb::splat(self.profiles[0].density(radius) / self.within[0]);
+            return Spectrum::splat(self.profiles[0].density(radius) / self.within[0]);
         }
-        Rgb::from_fn(|c| match channels.probability[c] {
+        Spectrum::from_fn(|c| match channels.probability[c] {
             0.0 => 0.0,
             _ => self.profiles[c].density(radius) / self.within[c],
         })
@@ -83,15 +83,18 @@ impl<P: Profile + Copy> Spread<P> {
 /// By that choice the light carried in all channels together is the same after the area integral as
 /// before, whichever point is drawn, however often a path repeats it; only its colour varies.
 #[derive(Clone, Copy, Debug)]
-pub struct Channels {
-    probability: Rgb,
+pub struct Channels<const N: usize = 3> {
+    probability: Spectrum<N>,
 }
 
-impl Channels {
+impl<const N: usize> Channels<N> {
     /// In proportion to `throughput`; alike if there is none.
-    pub fn of(throughput: Rgb) -> Self {
+    pub fn of(throughput: Spectrum<N>) -> Self {
         let sum: f32 = throughput.0.iter().sum();
-        let probability = if sum > 0.0 && sum.is_finite() { throughput / sum } else { Rgb::splat(1.0 / 3.0) };
+        let probability = match sum > 0.0 && sum.is_finite() {
+            true => throughput / sum,
+            false => Spectrum::splat(1.0 / N as f32),
+        };
         Self { probability }
     }
 
@@ -101,21 +104,21 @@ impl Channels {
     }
 
     /// Mean over the channels by what they carry.
-    pub(super) fn mean(&self, values: Rgb) -> f32 {
+    pub(super) fn mean(&self, values: Spectrum<N>) -> f32 {
         (values * self.probability).0.iter().sum()
     }
 
     /// Draws a channel in proportion to what it carries times `weights`, whose mean is 1.
-    pub(super) fn draw(&self, weights: Rgb, u: f32) -> usize {
+    pub(super) fn draw(&self, weights: Spectrum<N>, u: f32) -> usize {
         let shares = self.probability * weights;
         let mut rest = u;
-        for c in 0..3 {
+        for c in 0..N {
             rest -= shares[c];
             if rest < 0.0 {
                 return c;
             }
         }
         // By rounding only: the largest.
-        (0..3).max_by(|&a, &b| shares[a].total_cmp(&shares[b])).unwrap_or(0)
+        (0..N).max_by(|&a, &b| shares[a].total_cmp(&shares[b])).unwrap_or(0)
     }
 }

@@ -146,7 +146,7 @@ fn vanishing_densities() {
                             );
                         }
                         let mut numbers = u.into_iter().cycle();
-                        if let Some(sample) = interface.sample(wo, || numbers.next().unwrap_or(0.5)) {
+                        if let Some(sample) = interface.sample::<3>(wo, || numbers.next().unwrap_or(0.5)) {
                             assert!(sample.weight.is_finite() && sample.direction.is_normalized());
                             assert!(
                                 sample.delta || sample.density > 0.0,

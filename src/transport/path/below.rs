@@ -1,12 +1,13 @@
 //! Light under the surface of a translucent body by the area integral.
 
-use super::{Next, Origin, Path, leave, place, wanted_albedo};
+use super::{Next, Origin, Path, leave, place};
 use crate::diffusion::Profile;
 use crate::math::Frame;
-use crate::radiometry::Rgb;
+use crate::radiometry::Spectrum;
 use crate::raycast::RayCaster;
 use crate::scene::Method;
 use crate::transport::area_integral::{AreaIntegral, EntryPoint};
+use crate::transport::basis::Basis;
 use crate::transport::entry::{DirectionDependence, Entry, Response};
 use crate::transport::renderer::Renderer;
 use crate::transport::scatterer::Scattering;
@@ -15,7 +16,7 @@ use crate::transport::spread::{Channels, Spread, Spreading};
 use crate::transport::world::SurfacePoint;
 use glam::Vec3;
 
-impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
+impl<'a, C: RayCaster, B: Basis<N>, const N: usize, const CAN: u32> Path<'a, C, B, N, CAN> {
     /// At a translucent body light is reflected by the boundary, or comes from under the surface.
     pub(super) fn scatter_translucent(
         &mut self,
@@ -32,7 +33,7 @@ impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
         let respond = |wi: Vec3| {
             let lobe = |wi| boundary.evaluate_reflection(local_wo, frame.to_local(wi));
             let value: f32 = orientation.unfolded(wi).map(lobe).sum();
-            Response { value: Rgb::splat(value), density: value }
+            Response { value: Spectrum::splat(value), density: value }
         };
         let receiver = orientation.receiver(surface);
         if !boundary.is_smooth() {
@@ -54,11 +55,14 @@ impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
         Some(Next { origin: leave(surface, direction), direction })
     }
 
-    fn scattering(&self, material: usize, surface: &SurfacePoint) -> Option<Scattering<'a>> {
+    fn scattering(&self, material: usize, surface: &SurfacePoint) -> Option<Scattering<'a, N>> {
         let Renderer { world, scatterers, .. } = self.renderer;
-        Some(scatterers[material].as_ref()?.at(self.ior(), world.diameter(surface.instance), |input| {
-            wanted_albedo::<CAN>(world.scene(), input, surface)
-        }))
+        Some(scatterers[material].as_ref()?.at(
+            &self.basis,
+            self.ior(),
+            world.diameter(surface.instance),
+            |input| self.wanted_albedo(material, input, surface),
+        ))
     }
 
     /// The area integral: finds where the light came in, and follows it from there.
@@ -67,7 +71,7 @@ impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
         material: usize,
         surface: &SurfacePoint,
         orientation: &Orientation,
-        scattering: &Scattering<'a>,
+        scattering: &Scattering<'a, N>,
     ) -> Option<Next> {
         self.throughput *= scattering.local.albedo;
         if self.throughput.is_black() {
@@ -84,8 +88,8 @@ impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
         material: usize,
         surface: &SurfacePoint,
         orientation: &Orientation,
-        scattering: &Scattering<'a>,
-    ) -> Option<Entry<'a>> {
+        scattering: &Scattering<'a, N>,
+    ) -> Option<Entry<'a, N>> {
         let renderer = self.renderer;
         let world = &renderer.world;
         let here = Entry {
@@ -106,8 +110,11 @@ impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
         let point = world.surface::<CAN>(&hit);
         let orientation = Orientation::on_side::<CAN>(world.scene(), material, &point, orientation.flipped);
         if Self::INTERIORS && world.has_interiors() {
-            self.interiors =
-                renderer.interiors_at(leave(&point, orientation.geometric), orientation.geometric);
+            self.interiors = renderer.interiors_at(
+                &self.basis,
+                leave(&point, orientation.geometric),
+                orientation.geometric,
+            );
         }
         let immersed = renderer.scatterers[material].as_ref()?.immersed(self.ior());
         let offset = surface.position - point.position;
@@ -120,10 +127,10 @@ impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
     /// Draws from the area integral around `surface`.
     fn draw_entry<P: Profile + Copy>(
         &mut self,
-        spread: &Spread<P>,
+        spread: &Spread<P, N>,
         surface: &SurfacePoint,
         normal: Vec3,
-    ) -> EntryPoint {
+    ) -> EntryPoint<N> {
         let world = &self.renderer.world;
         let integral = AreaIntegral {
             caster: world.caster(),
@@ -140,7 +147,7 @@ impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
     }
 
     /// Follows the light that came in at `entry` to where it came from.
-    fn leave_entry(&mut self, entry: &Entry) -> Next {
+    fn leave_entry(&mut self, entry: &Entry<N>) -> Next {
         let Entry { point, orientation, boundary, .. } = entry;
         let [u, v, _, _] = self.stream.quad(self.set(place::ENTRY));
         let mut direction = Frame::from_normal(orientation.shading).to_world(boundary.sample_exit([u, v]));
@@ -148,7 +155,7 @@ impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
             direction = orientation.mirrored(direction);
         }
         let Response { value, density } = entry.respond(direction);
-        self.throughput *= if density > 0.0 { value / density } else { Rgb::ZERO };
+        self.throughput *= if density > 0.0 { value / density } else { Spectrum::ZERO };
         self.scattered_from = Some(Origin { receiver: entry.receiver(), density });
         Next { origin: leave(point, direction), direction }
     }

@@ -10,6 +10,7 @@ use arrayvec::ArrayVec;
 
 use super::{Path, leave};
 use crate::raycast::{Hit, Ray, RayCaster};
+use crate::transport::basis::Basis;
 use crate::transport::interiors::Interiors;
 use crate::transport::world::SurfacePoint;
 
@@ -27,7 +28,7 @@ thread_local! {
     static HITS: RefCell<Vec<Hit>> = const { RefCell::new(Vec::new()) };
 }
 
-impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
+impl<C: RayCaster, B: Basis<N>, const N: usize, const CAN: u32> Path<'_, C, B, N, CAN> {
     /// The boundaries of other bodies that a path which goes through `surface`, into its body if `inwards`, crosses there.
     pub(super) fn contacts(&self, surface: &SurfacePoint, inwards: bool) -> ArrayVec<Contact, MOST> {
         let mut contacts = ArrayVec::new();
@@ -67,7 +68,7 @@ impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
     }
 
     /// The bodies that the path is inside of beyond `surface`.
-    pub(super) fn interiors_beyond(&self, surface: &SurfacePoint, inwards: bool) -> Interiors {
+    pub(super) fn interiors_beyond(&self, surface: &SurfacePoint, inwards: bool) -> Interiors<N> {
         let mut interiors = self.interiors;
         self.cross_in(&mut interiors, surface, inwards);
         interiors

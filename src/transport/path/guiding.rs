@@ -21,6 +21,7 @@ use super::{Next, Path};
 use crate::math::Frame;
 use crate::optics::phase::HenyeyGreenstein;
 use crate::raycast::RayCaster;
+use crate::transport::basis::Basis;
 use crate::transport::guide::{Guide, Heading, Layer, Lobe};
 use crate::transport::interiors::Interior;
 use crate::transport::spread::Channels;
@@ -59,13 +60,13 @@ impl Technique {
     }
 
     /// Density per solid angle, 1/sr, of a turn at `position` to the direction `after`, whose phase function is `phase`.
-    pub fn density_towards(
+    pub fn density_towards<const N: usize>(
         &self,
-        layer: &Layer,
+        layer: &Layer<N>,
         position: Vec3,
         after: Vec3,
         phase: f32,
-        channels: Channels,
+        channels: Channels<N>,
     ) -> f32 {
         let heading = layer.turned(position, after, phase, channels);
         phase * self.density(heading.ratio())
@@ -74,16 +75,16 @@ impl Technique {
 
 /// A flight about to be drawn in a guided body.
 #[derive(Clone, Copy)]
-pub(super) struct Course {
-    pub layer: Layer,
-    pub heading: Heading,
+pub(super) struct Course<const N: usize> {
+    pub layer: Layer<N>,
+    pub heading: Heading<N>,
     /// By which lobe.
     pub lobe: Lobe,
 }
 
-impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
+impl<C: RayCaster, B: Basis<N>, const N: usize, const CAN: u32> Path<'_, C, B, N, CAN> {
     /// The guide of a walk that begins with `from` in `body`, if it has one.
-    pub(super) fn guide(&mut self, from: &Next, body: &Interior) -> Option<Layer> {
+    pub(super) fn guide(&mut self, from: &Next, body: &Interior<N>) -> Option<Layer<N>> {
         if !self.renderer.options.guiding {
             return None;
         }
@@ -99,12 +100,12 @@ impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
     }
 
     /// The guide of the medium in `body`, if it has one.
-    fn guide_of(&self, body: &Interior) -> Option<Guide> {
+    fn guide_of(&self, body: &Interior<N>) -> Option<Guide<N>> {
         let renderer = self.renderer;
         let Substance::Material(material) = renderer.world.substance(body.instance) else { return None };
         let around = self.interiors.ior_around(body.instance);
         let scatterer = renderer.scatterers[material].as_ref()?;
-        scatterer.immersed(around).guide(&body.medium)
+        self.basis.guide(scatterer.immersed(around), &body.medium)
     }
 
     fn is_guided(&self) -> bool {
@@ -112,24 +113,24 @@ impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
     }
 
     /// The flight after `from`, whose direction is given.
-    pub(super) fn set_out(&mut self, layer: Layer, from: &Next) -> Course {
+    pub(super) fn set_out(&mut self, layer: Layer<N>, from: &Next) -> Course<N> {
         let channels = Channels::of(self.throughput);
         let lobe = self.draw_lobe(&layer, from.origin, &channels);
         Course { heading: layer.straight(from.origin, from.direction, channels), layer, lobe }
     }
 
-    fn draw_lobe(&mut self, layer: &Layer, point: Vec3, channels: &Channels) -> Lobe {
+    fn draw_lobe(&mut self, layer: &Layer<N>, point: Vec3, channels: &Channels<N>) -> Lobe {
         if self.is_guided() { layer.draw_lobe(point, channels, &mut self.random) } else { Lobe::Plain }
     }
 
     /// Draws a direction after a collision at `position`, and with it the course of the flight.
     pub(super) fn turn_guided(
         &mut self,
-        layer: Layer,
+        layer: Layer<N>,
         phase: HenyeyGreenstein,
         position: Vec3,
         direction: Vec3,
-    ) -> (Turn, Course) {
+    ) -> (Turn, Course<N>) {
         let channels = Channels::of(self.throughput);
         let lobe = self.draw_lobe(&layer, position, &channels);
         let turn = match layer.draw_cosine(lobe, &mut self.random) {

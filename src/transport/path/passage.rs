@@ -3,10 +3,11 @@
 use glam::Vec3;
 
 use super::contact::Contact;
-use super::{Entrance, Next, Path, leave, place, wanted_albedo};
+use super::{Entrance, Next, Path, leave, place};
 use crate::medium::Medium;
-use crate::radiometry::Rgb;
+use crate::radiometry::Spectrum;
 use crate::raycast::{Ray, RayCaster};
+use crate::transport::basis::Basis;
 use crate::transport::contact::margin;
 use crate::transport::interiors::{Interior, Interiors};
 use crate::transport::shading::is_covered;
@@ -19,7 +20,7 @@ const MOST_PASSED: u32 = 256;
 /// Surfaces that one shadow ray may pass.
 const MOST_CROSSED: u32 = 256;
 
-impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
+impl<C: RayCaster, B: Basis<N>, const N: usize, const CAN: u32> Path<'_, C, B, N, CAN> {
     /// True if the surface is there, where it is there in part.
     pub(super) fn covers(&mut self, material: usize, surface: &SurfacePoint) -> bool {
         self.passed += 1;
@@ -66,7 +67,7 @@ impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
     }
 
     /// The same with `interiors` in the place of the path's own.
-    pub(super) fn cross_in(&self, interiors: &mut Interiors, surface: &SurfacePoint, inwards: bool) {
+    pub(super) fn cross_in(&self, interiors: &mut Interiors<N>, surface: &SurfacePoint, inwards: bool) {
         let contacts = self.contacts(surface, inwards);
         let here = Contact { surface: *surface, inwards };
         let crossed = || contacts.iter().chain([&here]);
@@ -77,18 +78,24 @@ impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
             }
         }
         for Contact { surface, .. } in crossed().filter(|contact| contact.inwards) {
-            let Some(mut interior) = self.renderer.world.interior(surface.instance) else { continue };
-            if Self::WALKS
-                && let Some(medium) = self.medium_inside(surface, interiors)
-            {
-                interior.medium = medium;
+            if let Some(interior) = self.interior(surface, interiors) {
+                interiors.enter(interior);
             }
-            interiors.enter(interior);
         }
     }
 
+    /// The inside of the body of `surface` amid `interiors`, if paths go there.
+    fn interior(&self, surface: &SurfacePoint, interiors: &Interiors<N>) -> Option<Interior<N>> {
+        let Interior { instance, diameter, ior, medium } = self.renderer.world.interior(surface.instance)?;
+        let scattering = if Self::WALKS { self.medium_inside(surface, interiors) } else { None };
+        let Substance::Material(material) = self.renderer.world.substance(instance) else { return None };
+        let clear = || Medium::clear(self.basis.absorption(material, medium.sigma_a));
+        let medium = scattering.unwrap_or_else(clear);
+        Some(Interior { instance, diameter, ior: self.basis.ior(material, ior, 0), medium })
+    }
+
     /// What scatters in the body of `surface` amid `interiors`, if paths walk there. Textures are looked up where light enters.
-    fn medium_inside(&self, surface: &SurfacePoint, interiors: &Interiors) -> Option<Medium> {
+    fn medium_inside(&self, surface: &SurfacePoint, interiors: &Interiors<N>) -> Option<Medium<N>> {
         let world = &self.renderer.world;
         if !world.is_walked(surface.instance) {
             return None;
@@ -96,10 +103,10 @@ impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
         let Substance::Material(material) = world.substance(surface.instance) else { return None };
         let around = interiors.ior_around(surface.instance);
         let scatterer = self.renderer.scatterers[material].as_ref()?;
-        Some(scatterer.medium(around, |input| wanted_albedo::<CAN>(world.scene(), input, surface)))
+        Some(scatterer.medium(&self.basis, around, |input| self.wanted_albedo(material, input, surface)))
     }
 
-    pub(super) fn bounds(&self, body: &Interior) -> Bounds {
+    pub(super) fn bounds(&self, body: &Interior<N>) -> Bounds {
         self.bounds_of(body.instance)
     }
 
@@ -109,7 +116,7 @@ impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
     }
 
     /// Share of light from `direction`, `distance` away, that arrives at `surface`, on whichever side.
-    pub(super) fn arrival(&mut self, surface: &SurfacePoint, direction: Vec3, distance: f32) -> Rgb {
+    pub(super) fn arrival(&mut self, surface: &SurfacePoint, direction: Vec3, distance: f32) -> Spectrum<N> {
         let origin = leave(surface, direction);
         let world = &self.renderer.world;
         let inwards = direction.dot(surface.geometric_normal) < 0.0;
@@ -128,7 +135,7 @@ impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
     }
 
     /// Share of light that arrives unscattered over `distance`.
-    pub(super) fn transmittance(&mut self, origin: Vec3, direction: Vec3, distance: f32) -> Rgb {
+    pub(super) fn transmittance(&mut self, origin: Vec3, direction: Vec3, distance: f32) -> Spectrum<N> {
         let world = &self.renderer.world;
         // Short of the light, whose own surface would occlude it.
         let ray = Ray { origin, direction, t_max: distance * (1.0 - 1e-4) };
@@ -138,20 +145,20 @@ impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
             let here = self.interiors;
             let arrives = self.transmittance_through(ray, distance);
             self.interiors = here;
-            return arrives.unwrap_or(Rgb::ZERO);
+            return arrives.unwrap_or(Spectrum::ZERO);
         }
         self.counters.rays += 1;
         if world.caster().occluded(&ray) {
-            return Rgb::ZERO;
+            return Spectrum::ZERO;
         }
         self.attenuation(distance)
     }
 
     /// The same through surfaces that light passes; the path's interiors become those at its end.
-    fn transmittance_through(&mut self, mut ray: Ray, distance: f32) -> Option<Rgb> {
+    fn transmittance_through(&mut self, mut ray: Ray, distance: f32) -> Option<Spectrum<N>> {
         let world = &self.renderer.world;
         let (direction, end) = (ray.direction, ray.at(ray.t_max));
-        let mut arrives = Rgb::ONE;
+        let mut arrives = Spectrum::ONE;
         let mut rest = distance;
         for _ in 0..MOST_CROSSED {
             self.counters.rays += 1;
@@ -178,7 +185,7 @@ impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
     }
 
     /// Attenuation from `origin` to the end of a ray that nothing is in the way of any more.
-    fn last_attenuation(&self, origin: Vec3, direction: Vec3, distance: f32) -> Option<Rgb> {
+    fn last_attenuation(&self, origin: Vec3, direction: Vec3, distance: f32) -> Option<Spectrum<N>> {
         let Some(body) = self.interiors.current().filter(|body| Self::WALKS && body.medium.scatters()) else {
             return Some(self.attenuation(distance));
         };
@@ -191,11 +198,11 @@ impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
     }
 
     /// Share of light that goes on unscattered over `distance` where the path is.
-    fn attenuation(&self, distance: f32) -> Rgb {
+    fn attenuation(&self, distance: f32) -> Spectrum<N> {
         let body = if Self::INTERIORS { self.interiors.current() } else { None };
         match body {
             Some(body) => body.medium.sigma_t().map(|s| if s > 0.0 { (-s * distance).exp() } else { 1.0 }),
-            None => Rgb::ONE,
+            None => Spectrum::ONE,
         }
     }
 }

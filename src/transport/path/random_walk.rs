@@ -1,6 +1,6 @@
 //! The random walk: transport inside a scattering body without approximation, collision by collision.
 //!
-//! **Distance.** Channels scatter at different rates, and a path carries all three. The distance to the next collision
+//! **Distance.** Channels scatter at different rates, and a path carries all of them. The distance to the next collision
 //! is drawn with the coefficient σ_t of one channel, taken in proportion to the light it carries, and weighted by the
 //! mean of the three densities in that proportion (one-sample multiple importance sampling by the balance
 //! heuristic, Veach 1997, section 9.2.4):
@@ -8,7 +8,7 @@
 //! w_c = σ_s,c e^(−σ_t,c t) / Σ_k q_k σ_t,k e^(−σ_t,k t),  q_c = L_c / Σ_k L_k.
 //!
 //! Then Σ_c L_c w_c ≤ Σ_c L_c: the light carried by all channels together never grows, so no channel
-//! ever weighs more than all three did at the start, however long the walk and however unequal the channels.
+//! ever weighs more than all together did at the start, however long the walk and however unequal the channels.
 //!
 //! **Absorption** is by weight, which roulette turns into an end where little is left.
 //!
@@ -35,8 +35,9 @@ use crate::math::Frame;
 use crate::math::sampler::HashGenerator;
 use crate::medium::Medium;
 use crate::optics::phase::HenyeyGreenstein;
-use crate::radiometry::Rgb;
+use crate::radiometry::Spectrum;
 use crate::raycast::{Hit, Ray, RayCaster};
+use crate::transport::basis::Basis;
 use crate::transport::entry::Response;
 use crate::transport::interiors::Interior;
 use crate::transport::light_choice::Receiver;
@@ -69,17 +70,17 @@ pub(super) enum Walked {
 }
 
 /// The extinction of a medium, by which flights are drawn.
-struct Extinction {
-    sigma_t: Rgb,
+struct Extinction<const N: usize> {
+    sigma_t: Spectrum<N>,
     /// All channels have the same.
     gray: bool,
 }
 
 /// A flight: how far it goes if nothing is in the way, and by which channels that was drawn.
-struct Flight {
+struct Flight<const N: usize> {
     distance: f32,
     drawn_by: usize,
-    channels: Channels,
+    channels: Channels<N>,
 }
 
 /// A direction taken at a collision.
@@ -90,21 +91,21 @@ pub(super) struct Turn {
     pub density: f32,
 }
 
-impl Extinction {
-    fn of(medium: &Medium) -> Self {
+impl<const N: usize> Extinction<N> {
+    fn of(medium: &Medium<N>) -> Self {
         let sigma_t = medium.sigma_t();
-        Self { sigma_t, gray: sigma_t[0] == sigma_t[1] && sigma_t[0] == sigma_t[2] }
+        Self { sigma_t, gray: sigma_t.is_gray() }
     }
 
     /// Draws how far light that is `throughput` goes.
-    fn draw(&self, throughput: Rgb, random: &mut HashGenerator) -> Flight {
+    fn draw(&self, throughput: Spectrum<N>, random: &mut HashGenerator) -> Flight<N> {
         let channels = Channels::of(throughput);
-        let drawn_by = if self.gray { 0 } else { channels.draw(Rgb::ONE, random.next_f32()) };
+        let drawn_by = if self.gray { 0 } else { channels.draw(Spectrum::ONE, random.next_f32()) };
         Flight { distance: random.next_exponential() / self.sigma_t[drawn_by], drawn_by, channels }
     }
 
     /// Draws how far light that is `throughput` goes on its `course`.
-    fn draw_on(&self, course: &Course, throughput: Rgb, random: &mut HashGenerator) -> Flight {
+    fn draw_on(&self, course: &Course<N>, throughput: Spectrum<N>, random: &mut HashGenerator) -> Flight<N> {
         match course.layer.coefficient(course.lobe, &course.heading) {
             Some((drawn_by, coefficient)) => {
                 let distance = random.next_exponential() / coefficient;
@@ -116,13 +117,13 @@ impl Extinction {
 
     /// Attenuation over `distance` in units of that of the channel that the flight was drawn by, which neither
     /// underflows nor, as that channel's flights go, overflows.
-    fn attenuation(&self, flight: &Flight, distance: f32) -> Rgb {
+    fn attenuation(&self, flight: &Flight<N>, distance: f32) -> Spectrum<N> {
         let drawn_by = self.sigma_t[flight.drawn_by];
         self.sigma_t.map(|s| if s == drawn_by { 1.0 } else { ((drawn_by - s) * distance).exp() })
     }
 
     /// Weight of a collision at the end of `flight`.
-    fn collision(&self, flight: &Flight, sigma_s: Rgb) -> Rgb {
+    fn collision(&self, flight: &Flight<N>, sigma_s: Spectrum<N>) -> Spectrum<N> {
         if self.gray {
             return sigma_s / self.sigma_t[0];
         }
@@ -131,9 +132,9 @@ impl Extinction {
     }
 
     /// Weight of a flight that goes on at least to `distance`.
-    fn passage(&self, flight: &Flight, distance: f32) -> Rgb {
+    fn passage(&self, flight: &Flight<N>, distance: f32) -> Spectrum<N> {
         if self.gray {
-            return Rgb::ONE;
+            return Spectrum::ONE;
         }
         let attenuation = self.attenuation(flight, distance);
         attenuation / flight.channels.mean(attenuation)
@@ -172,9 +173,9 @@ impl Near {
     }
 }
 
-impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
+impl<C: RayCaster, B: Basis<N>, const N: usize, const CAN: u32> Path<'_, C, B, N, CAN> {
     /// Walks from `from` in `body` until a flight meets a surface; `None` if the path ends before.
-    pub(super) fn walk(&mut self, mut from: Next, body: &Interior) -> Option<Walked> {
+    pub(super) fn walk(&mut self, mut from: Next, body: &Interior<N>) -> Option<Walked> {
         let world = &self.renderer.world;
         let bounds = self.bounds(body);
         let draws_light = self.draws_light_in(body);
@@ -267,7 +268,7 @@ impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
 
     /// Leaves `body` where it has no surface: as power is neither made nor lost there, radiance changes by the squared
     /// ratio of indices.
-    fn escape(&mut self, from: &Next, body: &Interior, distance: f32) -> Next {
+    fn escape(&mut self, from: &Next, body: &Interior<N>, distance: f32) -> Next {
         self.counters.open_walks += 1;
         self.interiors.leave(body.instance);
         self.throughput *= (body.ior / self.interiors.ior()).powi(2);
@@ -275,16 +276,16 @@ impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
     }
 
     /// True if light drawn at a collision in `body` may arrive there.
-    pub(super) fn draws_light_in(&self, body: &Interior) -> bool {
+    pub(super) fn draws_light_in(&self, body: &Interior<N>) -> bool {
         body.ior == self.interiors.ior_around(body.instance) || self.renderer.is_lit_inside(body.instance)
     }
 
     /// Weighs a flight that goes on at least to `distance`.
     fn passes_over(
         &mut self,
-        extinction: &Extinction,
-        flight: &Flight,
-        course: Option<&Course>,
+        extinction: &Extinction<N>,
+        flight: &Flight<N>,
+        course: Option<&Course<N>>,
         distance: f32,
     ) {
         self.throughput *= extinction.passage(flight, distance);
@@ -297,11 +298,11 @@ impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
     /// is at least. The `course`, if there is one, becomes that of the next flight.
     fn scatter(
         &mut self,
-        medium: &Medium,
+        medium: &Medium<N>,
         position: Vec3,
         direction: Vec3,
         lit: Option<f32>,
-        course: &mut Option<Course>,
+        course: &mut Option<Course<N>>,
     ) -> Next {
         let phase = HenyeyGreenstein { g: f64::from(medium.g) };
         let receiver = Receiver { position, normal: None };
@@ -313,7 +314,7 @@ impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
                 let value = phase.density(f64::from(wi.dot(direction))) as f32;
                 let density = layer
                     .map_or(value, |layer| technique.density_towards(&layer, position, wi, value, channels));
-                Response { value: Rgb::splat(value), density }
+                Response { value: Spectrum::splat(value), density }
             });
         }
         let turn = match layer {
@@ -346,11 +347,14 @@ impl<C: RayCaster, const CAN: u32> Path<'_, C, CAN> {
         &mut self,
         receiver: &Receiver,
         clear: f32,
-        response: impl Fn(Vec3) -> Response,
+        response: impl Fn(Vec3) -> Response<N>,
     ) {
         let renderer = self.renderer;
         let u = [self.random.next_f32(), self.random.next_f32(), self.random.next_f32()];
-        let Some(light) = renderer.lights.sample::<_, CAN>(&renderer.world, receiver, u) else { return };
+        let Some(light) = renderer.lights.sample::<_, _, N, CAN>(&self.basis, &renderer.world, receiver, u)
+        else {
+            return;
+        };
         let Response { value, density } = response(light.direction);
         if value.is_black() {
             return;

@@ -17,8 +17,9 @@ use super::{Next, Origin, Path};
 use crate::math::{Frame, warp};
 use crate::medium::sphere_step::Exit;
 use crate::optics::phase::HenyeyGreenstein;
-use crate::radiometry::Rgb;
+use crate::radiometry::Spectrum;
 use crate::raycast::RayCaster;
+use crate::transport::basis::Basis;
 use crate::transport::clearance::Clearance;
 use crate::transport::entry::Response;
 use crate::transport::interiors::Interior;
@@ -28,21 +29,21 @@ use crate::transport::substance::Substance;
 
 /// What is known of the free space around a walk.
 #[derive(Clone, Copy)]
-pub(super) struct FreeSpace<'a> {
+pub(super) struct FreeSpace<'a, const N: usize> {
     clearance: Option<&'a Clearance>,
-    spheres: Option<&'a Spheres>,
+    spheres: Option<Spheres<'a, N>>,
 }
 
-impl FreeSpace<'_> {
+impl<const N: usize> FreeSpace<'_, N> {
     /// The medium that stands for the body's own far from surfaces, if one may.
-    pub(super) fn similarity(&self) -> Option<Similarity> {
-        self.spheres.and_then(Spheres::similarity)
+    pub(super) fn similarity(&self) -> Option<Similarity<N>> {
+        self.spheres.as_ref().and_then(Spheres::similarity)
     }
 }
 
-impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
+impl<'a, C: RayCaster, B: Basis<N>, const N: usize, const CAN: u32> Path<'a, C, B, N, CAN> {
     /// What is known of the free space in `body`.
-    pub(super) fn free_space(&self, body: &Interior) -> FreeSpace<'a> {
+    pub(super) fn free_space(&self, body: &Interior<N>) -> FreeSpace<'a, N> {
         let clearance = self.renderer.clearance(body.instance);
         // Light from inside a sphere would be drawn for its centre only.
         let spheres = clearance.filter(|_| !self.renderer.is_lit_inside(body.instance));
@@ -52,17 +53,17 @@ impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
         FreeSpace { clearance, spheres }
     }
 
-    fn spheres(&self, body: &Interior) -> Option<&'a Spheres> {
+    fn spheres(&self, body: &Interior<N>) -> Option<Spheres<'a, N>> {
         let renderer = self.renderer;
         let Substance::Material(material) = renderer.world.substance(body.instance) else { return None };
         let around = self.interiors.ior_around(body.instance);
-        let spheres = renderer.scatterers[material].as_ref()?.immersed(around).spheres()?;
+        let spheres = self.basis.spheres(renderer.scatterers[material].as_ref()?.immersed(around))?;
         // What the path entered may have been inside something else.
         (*spheres.body() == body.medium).then_some(spheres)
     }
 
     /// A distance, m, from `point` within which there is no surface; 0 or less where none is known.
-    pub(super) fn clear_distance(&self, space: FreeSpace, point: Vec3) -> f32 {
+    pub(super) fn clear_distance(&self, space: FreeSpace<N>, point: Vec3) -> f32 {
         space.clearance.map_or(0.0, |clearance| clearance.around(point))
     }
 
@@ -70,7 +71,7 @@ impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
     /// not pay.
     pub(super) fn cross_sphere(
         &mut self,
-        space: FreeSpace,
+        space: FreeSpace<N>,
         center: Vec3,
         clear: f32,
         draws_light: bool,
@@ -111,9 +112,9 @@ impl<'a, C: RayCaster, const CAN: u32> Path<'a, C, CAN> {
 
 const ISOTROPIC: HenyeyGreenstein = HenyeyGreenstein { g: 0.0 };
 
-fn isotropic() -> Response {
+fn isotropic<const N: usize>() -> Response<N> {
     let density = ISOTROPIC.density(0.0) as f32;
-    Response { value: Rgb::splat(density), density }
+    Response { value: Spectrum::splat(density), density }
 }
 
 /// A point in the medium that light reaches from all sides.
@@ -122,10 +123,10 @@ fn at(position: Vec3) -> Receiver {
 }
 
 /// What leaves a sphere scattered at `angle` to the normal, whose sine is `sin`: per solid angle.
-fn per_solid_angle(departures: &Departures, angle: f32, sin: f32) -> Response {
+fn per_solid_angle<const N: usize>(departures: &Departures<N>, angle: f32, sin: f32) -> Response<N> {
     // In the direction of the normal, which has no solid angle, nothing.
     if !(0.0..=std::f32::consts::FRAC_PI_2).contains(&angle) || sin == 0.0 {
-        return Response { value: Rgb::ZERO, density: 0.0 };
+        return Response { value: Spectrum::ZERO, density: 0.0 };
     }
     let densities = departures.densities(Exit::Oblique { angle });
     let around = 1.0 / (TAU * sin);
