@@ -16,10 +16,10 @@ join() { target/release/examples/side_by_side "$@"; }
 wanted=" $* "
 is_wanted() { [ "$wanted" = "  " ] || [[ $wanted == *" $1 "* ]]; }
 
-# picture NAME SPP SIZE: a scene of scenes/.
+# picture NAME SPP WIDTH [HEIGHT]: a scene of scenes/.
 picture() {
     is_wanted "$1" || return 0
-    render "scenes/$1.toml" --width "$3" --height "$3" --spp "$2" -o "$work/$1.png"
+    render "scenes/$1.toml" --width "$3" --height "${4:-$3}" --spp "$2" -o "$work/$1.png"
     join "docs/pictures/$1.jpg" "$work/$1.png"
 }
 
@@ -47,6 +47,7 @@ picture alabaster 512 320
 picture soap 128 256
 picture jade 128 256
 picture milk 256 256
+picture prism 2048 320 240
 
 strip mean-free-path \
     "$(set_to mean_free_path '[0.00025, 0.00019, 0.00013]')" "$(set_to mean_free_path '[0.001, 0.00075, 0.0005]')" \
