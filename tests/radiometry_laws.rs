@@ -289,7 +289,45 @@ fn a_closed_room_keeps_its_light() {
     // The lamp's mesh is smaller than the sphere that its power is of, by 10⁻³.
     let (absorbed, sigma) = (balance.absorbed.value[0], balance.absorbed.stderr[0]);
     assert!((absorbed - PI * PI).abs() <= 3.0 * sigma + 2e-3 * PI * PI, "{balance:?}");
-    let point = Light::Point { position: Vec3::ZERO, intensity: Rgb::ONE.into() };
-    let with_point = lit(shape::cuboid(Vec3::ZERO, Vec3::splat(4.0)), vec![point]);
-    assert_eq!(renderer(with_point).power_balance(10).unwrap_err(), Unbalanced::LightsWithoutSize);
+    let nothing = Scene {
+        meshes: Vec::new(),
+        instances: Vec::new(),
+        ..lit(shape::sphere(Vec3::ZERO, 1.0, 1), Vec::new())
+    };
+    assert_eq!(renderer(nothing).power_balance(10).unwrap_err(), Unbalanced::NoGeometry);
+}
+
+/// Light that no ray meets is accounted for all the same: of a point and a spot in a closed room the walls absorb all, and of the sun as much comes in as a
+/// sphere around the scene has for a cross-section.
+#[test]
+fn lights_without_size_are_accounted_for() {
+    let position = Vec3::new(0.3, 0.5, -0.2);
+    let spot = Light::Spot {
+        position,
+        direction: Vec3::new(0.6, 0.0, 0.8),
+        intensity: Rgb::splat(5.0).into(),
+        inner_angle: 0.3,
+        outer_angle: 0.9,
+    };
+    for light in [Light::Point { position, intensity: Rgb::new(1.0, 2.0, 3.0).into() }, spot] {
+        let RadiantFlux(power) = light.power().unwrap();
+        let room = lit(shape::cuboid(Vec3::ZERO, Vec3::splat(4.0)), vec![light]);
+        let balance = renderer(room).power_balance(20_000).unwrap();
+        assert!(balance.sigmas() <= 3.0, "{balance:?}");
+        for c in 0..3 {
+            let (absorbed, sigma) = (balance.absorbed.value[c], balance.absorbed.stderr[c]);
+            assert!((absorbed - f64::from(power[c])).abs() <= 3.0 * sigma, "{balance:?}");
+            assert!(sigma < 0.05 * absorbed, "{balance:?}");
+        }
+    }
+    let sun = Light::Directional { direction: Vec3::new(0.6, -0.8, 0.0), irradiance: Rgb::splat(2.0).into() };
+    let floor = lit(shape::quad(Vec3::ZERO, Vec3::Z * 2.0, Vec3::X * 2.0), vec![sun]);
+    let balance = renderer(floor).power_balance(40_000).unwrap();
+    assert!(balance.sigmas() <= 3.0, "{balance:?}");
+    // The sphere is a hundredth larger than the half diagonal of the floor, √8.
+    let entered = 2.0 * PI * 8.0 * 1.01_f64.powi(2);
+    assert!((balance.entered.value[1] / entered - 1.0).abs() < 1e-5, "{balance:?}");
+    // E cosθ on 16 m², half of it absorbed.
+    let (absorbed, sigma) = (balance.absorbed.value[1], balance.absorbed.stderr[1]);
+    assert!((absorbed - 2.0 * 0.8 * 16.0 * 0.5).abs() <= 3.0 * sigma, "{balance:?}");
 }

@@ -12,6 +12,8 @@
 //!
 //! This takes samples of its own. Renders are not slowed by it.
 
+mod lamps;
+
 use std::array;
 use std::f32::consts::{PI, TAU};
 
@@ -19,6 +21,8 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use serde::Serialize;
 use thiserror::Error;
+
+use lamps::{Lamps, SentRay};
 
 use super::counters::Counters;
 use super::interiors::Interiors;
@@ -31,9 +35,8 @@ use crate::math::robust::offset_from_surface;
 use crate::math::sampler::HashGenerator;
 use crate::math::{Frame, SampleStream, warp};
 use crate::plan::Kernel;
-use crate::radiometry::{Area, ProjectedSolidAngle, Radiance, RadiantFlux, Rgb};
+use crate::radiometry::{Area, ProjectedSolidAngle, Radiance, Rgb};
 use crate::raycast::{Hit, Ray, RayCaster};
-use crate::scene::Light;
 
 /// Streams beyond those of any pixel.
 const STREAMS: u64 = u64::MAX - 8;
@@ -57,11 +60,11 @@ pub struct Power {
 pub struct PowerBalance {
     /// By lights and materials.
     pub emitted: Power,
-    /// From the environment, through a sphere around the scene.
+    /// From the environment and in parallel light, through a sphere around the scene.
     pub entered: Power,
     /// At surfaces and in bodies.
     pub absorbed: Power,
-    /// Through that sphere, from where it was emitted and from the environment straight on.
+    /// Through that sphere, straight on from where it was emitted or came in.
     pub escaped: Power,
     /// Through that sphere, after it was scattered.
     pub scattered_out: Power,
@@ -72,11 +75,6 @@ pub struct PowerBalance {
 /// Why there is no balance of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum Unbalanced {
-    /// Points and parallel light.
-    #[error(
-        "a light without size is met by no ray, so that what it sends past everything is not seen to leave"
-    )]
-    LightsWithoutSize,
     /// There is nothing that a sphere could be put around.
     #[error("the scene is empty")]
     NoGeometry,
@@ -89,21 +87,6 @@ impl PowerBalance {
         let sigmas = |c: usize| if value[c] == 0.0 { 0.0 } else { value[c].abs() / stderr[c] };
         (0..3).map(sigmas).fold(0.0, f64::max)
     }
-}
-
-/// A light as one that sends out rays.
-struct Lamp {
-    instance: u32,
-    /// By channel, W.
-    power: Rgb,
-    /// By area.
-    triangles: Discrete,
-}
-
-/// All of them, drawn by power.
-struct Lamps {
-    lamps: Vec<Lamp>,
-    by_power: Discrete,
 }
 
 /// The triangles of a scene, drawn by area.
@@ -120,11 +103,8 @@ impl<C: RayCaster> Renderer<C> {
     /// The power balance of the scene, from `samples` samples of each of its parts. Paths are limited as in pictures: where they are cut, it does not close.
     ///
     /// # Errors
-    /// If the scene has lights without size, or nothing to be lit.
+    /// If the scene has nothing to be lit.
     pub fn power_balance(&mut self, samples: u64) -> Result<PowerBalance, Unbalanced> {
-        if !self.scene().lights.iter().all(Light::has_size) {
-            return Err(Unbalanced::LightsWithoutSize);
-        }
         let surfaces = self.surfaces().ok_or(Unbalanced::NoGeometry)?;
         let (center, radius) = self.bounding_sphere();
         let sphere_area = 4.0 * PI * radius * radius;
@@ -141,16 +121,15 @@ impl<C: RayCaster> Renderer<C> {
             let (emitted, absorbed) = self.at_surface(&surfaces, i);
             [emitted, absorbed, emitted - absorbed]
         });
-        let lamps = self.lamps();
-        let RadiantFlux(of_lights) = self.scene().lights.iter().filter_map(Light::power).sum();
+        let lamps = Lamps::new(&self.world, center, radius);
+        let sent = lamps.emitted() + lamps.entering();
         let [escaped, arrived, hidden] = tally(samples, 1.0, |i| {
             let (escaped, arrived) = self.from_lamp(&lamps, &surfaces, i);
-            [escaped, arrived, of_lights - escaped - arrived]
+            [escaped, arrived, sent - escaped - arrived]
         });
-        let of_lights = Power::exact(of_lights);
         Ok(PowerBalance {
-            emitted: of_lights.plus(&shone),
-            entered,
+            emitted: shone.plus(&Power::exact(lamps.emitted())),
+            entered: entered.plus(&Power::exact(lamps.entering())),
             absorbed: absorbed.plus(&arrived),
             escaped: straight.plus(&escaped),
             scattered_out: left.less(&straight),
@@ -158,35 +137,17 @@ impl<C: RayCaster> Renderer<C> {
         })
     }
 
-    fn lamps(&self) -> Lamps {
-        let of_instance = |instance: u32| {
-            let Substance::Light(light) = self.world.substance(instance) else { return None };
-            let area = |[a, b, c]: [Vec3; 3]| 0.5 * (b - a).cross(c - a).length();
-            let triangles = Discrete::new(self.world.triangles(instance).map(area));
-            Some(Lamp { instance, power: self.scene().lights[light].power()?.0, triangles })
-        };
-        let lamps: Vec<Lamp> = (0..self.world.substances().len() as u32).filter_map(of_instance).collect();
-        let by_power = Discrete::new(lamps.iter().map(|lamp| lamp.power.mean()));
-        Lamps { lamps, by_power }
-    }
-
-    /// The power of a ray that a lamp sends out and that leaves the scene, or that arrives at a surface; neither inside of a body.
+    /// The power of a ray that a light sends out and that leaves the scene, or that arrives at a surface; neither inside of a body.
     fn from_lamp(&self, lamps: &Lamps, surfaces: &Surfaces, sample: u64) -> (Rgb, Rgb) {
         let nothing = (Rgb::ZERO, Rgb::ZERO);
         let mut random = HashGenerator::new(self.options.seed ^ sample.wrapping_mul(3).wrapping_add(2));
-        let Some((lamp, share, _)) = lamps.by_power.sample(random.next_f32()) else { return nothing };
-        let Lamp { instance, power, triangles } = &lamps.lamps[lamp];
-        let Some((primitive, _, _)) = triangles.sample(random.next_f32()) else { return nothing };
-        let point = self.random_point(*instance, primitive as u32, &mut random);
-        let local = warp::square_to_cosine_hemisphere(random.next_f32(), random.next_f32());
-        let direction = Frame::from_normal(point.geometric_normal).to_world(local);
-        let origin = offset_from_surface(point.position, point.error, point.geometric_normal, direction);
-        let power = *power / share;
-        let hit = self.world.caster().closest(&Ray::new(origin, direction));
+        let Some(SentRay { origin, direction, power }) = lamps.send(&self.world, &mut random) else {
+            return nothing;
+        };
         let from_inside = |hit: &Hit| {
             self.is_body(hit.instance, surfaces) && self.world.geometric_normal(hit).dot(direction) > 0.0
         };
-        match hit {
+        match self.world.caster().closest(&Ray::new(origin, direction)) {
             _ if self.is_in_body(origin) => nothing,
             None => (power, Rgb::ZERO),
             Some(hit) if from_inside(&hit) => nothing,
