@@ -7,6 +7,7 @@
 use std::arch::x86_64::*;
 
 use bytemuck::must_cast;
+use glam::Vec3A;
 
 use super::kernel::{Crossings, Entry, Kernel, Portable, Query};
 use super::node::{Child, Node, TriangleBlock, WIDTH, Word};
@@ -15,6 +16,14 @@ use crate::raycast::watertight::WatertightRay;
 
 /// By AVX2.
 pub struct Avx2;
+
+/// A [`NodeRay`], each of its numbers eight times.
+pub struct Boxes {
+    inverse: [__m256; 3],
+    offsets: [[__m256; 3]; 2],
+    /// By axis: which wall is met first.
+    first: [usize; 3],
+}
 
 /// True if the processor has what it takes.
 pub fn is_available() -> bool {
@@ -25,15 +34,16 @@ pub fn is_available() -> bool {
 }
 
 impl Kernel for Avx2 {
-    type Boxes = NodeRay;
+    type Boxes = Boxes;
 
     #[inline(always)]
-    fn prepare(ray: &NodeRay) -> NodeRay {
-        *ray
+    fn prepare(ray: &NodeRay) -> Boxes {
+        // SAFETY: see the module.
+        unsafe { prepare(ray) }
     }
 
     #[inline(always)]
-    fn enter(ray: &NodeRay, node: &Node, t_max: f32) -> (u32, [f32; WIDTH]) {
+    fn enter(ray: &Boxes, node: &Node, t_max: f32) -> (u32, [f32; WIDTH]) {
         // SAFETY: see the module.
         unsafe { enter(ray, node, t_max) }
     }
@@ -45,7 +55,7 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn meet(ray: &WatertightRay, block: &TriangleBlock, t_max: f32) -> Crossings {
+    fn meet(ray: &WatertightRay, block: &TriangleBlock, t_max: f32) -> Option<Crossings> {
         meet(ray, block, t_max)
     }
 
@@ -70,23 +80,43 @@ impl Kernel for Avx2 {
 
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,popcnt")]
-fn enter(ray: &NodeRay, node: &Node, t_max: f32) -> (u32, [f32; WIDTH]) {
+pub fn prepare(ray: &NodeRay) -> Boxes {
+    let broadcast = |vector: Vec3A| vector.to_array().map(|x| _mm256_set1_ps(x));
+    Boxes {
+        inverse: broadcast(ray.inverse),
+        offsets: ray.offsets.map(broadcast),
+        first: [0, 1, 2].map(|axis| ray.first(axis)),
+    }
+}
+
+/// Where the ray enters and leaves each box, within [0, `t_max`]. As integers, which are compared in a quarter of the time: numbers that
+/// are not negative have the same order, and others come before.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,popcnt")]
+pub fn slabs(ray: &Boxes, node: &Node, t_max: f32) -> [__m256i; 2] {
     let slab = |axis: usize| {
-        let inverse = _mm256_set1_ps(ray.inverse[axis]);
+        let inverse = ray.inverse[axis];
+        let corner = _mm256_set1_ps(node.corner[axis]);
         let step = _mm256_mul_ps(_mm256_set1_ps(node.step), inverse);
-        let at = |wall: usize, which: usize| {
-            let walls = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(must_cast(node.walls[axis][wall])));
-            let offset = _mm256_set1_ps(ray.offsets[which][axis]);
-            let start = _mm256_fmadd_ps(_mm256_set1_ps(node.corner[axis]), inverse, offset);
-            _mm256_castps_si256(_mm256_fmadd_ps(_mm256_cvtepi32_ps(walls), step, start))
+        let at = |which: usize| {
+            let walls = node.walls[axis][ray.first[axis] & 1 ^ which];
+            let walls = _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_cvtsi64_si128(must_cast(walls))));
+            let start = _mm256_fmadd_ps(corner, inverse, ray.offsets[which][axis]);
+            _mm256_castps_si256(_mm256_fmadd_ps(walls, step, start))
         };
-        (at(ray.first(axis), 0), at(ray.first(axis) ^ 1, 1))
+        [at(0), at(1)]
     };
     let [x, y, z] = [slab(0), slab(1), slab(2)];
-    // Compared as integers, which takes a quarter of the time: numbers that are not negative have the same order, and others come before.
     let t_max = _mm256_castps_si256(_mm256_set1_ps(t_max));
-    let near = _mm256_max_epi32(_mm256_max_epi32(x.0, y.0), _mm256_max_epi32(z.0, _mm256_setzero_si256()));
-    let far = _mm256_min_epi32(_mm256_min_epi32(x.1, y.1), _mm256_min_epi32(z.1, t_max));
+    let near = _mm256_max_epi32(_mm256_max_epi32(x[0], y[0]), _mm256_max_epi32(z[0], _mm256_setzero_si256()));
+    let far = _mm256_min_epi32(_mm256_min_epi32(x[1], y[1]), _mm256_min_epi32(z[1], t_max));
+    [near, far]
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,popcnt")]
+fn enter(ray: &Boxes, node: &Node, t_max: f32) -> (u32, [f32; WIDTH]) {
+    let [near, far] = slabs(ray, node, t_max);
     let outside = _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(near, far)));
     (!outside as u32 & 0xff, must_cast(near))
 }
@@ -124,10 +154,10 @@ fn gather(node: &Node, mask: u32, near: &[f32; WIDTH]) -> [Entry; WIDTH] {
 /// The operations of [`WatertightRay::intersect`], in the same order. They are such as every processor has, so that this can be part of all
 /// that call it: as a function of its own it would hand over its results by memory.
 #[inline(always)]
-pub fn meet(ray: &WatertightRay, block: &TriangleBlock, t_max: f32) -> Crossings {
+pub fn meet(ray: &WatertightRay, block: &TriangleBlock, t_max: f32) -> Option<Crossings> {
     let [kx, ky, kz] = ray.axes;
     if kx > 2 || ky > 2 || kz > 2 {
-        return Crossings::NONE;
+        return None;
     }
     // SAFETY: SSE belongs to x86-64.
     unsafe {
@@ -150,7 +180,7 @@ pub fn meet(ray: &WatertightRay, block: &TriangleBlock, t_max: f32) -> Crossings
         let left = _mm_cmple_ps(_mm_max_ps(_mm_max_ps(u, v), w), zero);
         let inside = _mm_or_ps(right, left);
         if _mm_movemask_ps(inside) == 0 {
-            return Crossings::NONE;
+            return None;
         }
         let on_edge =
             _mm_or_ps(_mm_or_ps(_mm_cmpeq_ps(u, zero), _mm_cmpeq_ps(v, zero)), _mm_cmpeq_ps(w, zero));
@@ -162,18 +192,19 @@ pub fn meet(ray: &WatertightRay, block: &TriangleBlock, t_max: f32) -> Crossings
         let t = _mm_div_ps(_mm_mul_ps(shear_z, depth), determinant);
         // Without an edge, the determinant is none of zero.
         let within = _mm_and_ps(_mm_cmpgt_ps(t, zero), _mm_cmple_ps(t, _mm_set1_ps(t_max)));
-        Crossings {
-            mask: _mm_movemask_ps(_mm_and_ps(within, inside)) as u32,
+        let mask = _mm_movemask_ps(_mm_and_ps(within, inside)) as u32;
+        (mask != 0).then_some(Crossings {
+            mask,
             t: must_cast(t),
             weights: [must_cast(v), must_cast(w)],
             determinant: must_cast(determinant),
-        }
+        })
     }
 }
 
 /// For a ray through an edge or, in single precision, nearly so.
 #[cold]
 #[inline(never)]
-fn meet_edge(ray: &WatertightRay, block: &TriangleBlock, t_max: f32) -> Crossings {
+fn meet_edge(ray: &WatertightRay, block: &TriangleBlock, t_max: f32) -> Option<Crossings> {
     Portable::meet(ray, block, t_max)
 }

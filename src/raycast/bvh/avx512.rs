@@ -1,4 +1,4 @@
-//! The tests by AVX-512: of a node, lower and upper walls are computed together.
+//! The tests by AVX-512: those by AVX2 with its masks, and with twice as many registers. Longer ones are slower here.
 //!
 //! What is unsafe here is calling functions that are compiled for AVX-512 from such that are not: [`Avx512`] is used only where
 //! [`is_available`] found that the processor has it.
@@ -8,7 +8,7 @@ use std::arch::x86_64::*;
 
 use bytemuck::must_cast;
 
-use super::avx2;
+use super::avx2::{self, Boxes};
 use super::kernel::{Crossings, Entry, Kernel, Query};
 use super::node::{Child, Node, TriangleBlock, WIDTH, Word};
 use super::prepared::NodeRay;
@@ -26,21 +26,13 @@ pub fn is_available() -> bool {
         && is_x86_feature_detected!("avx512dq")
 }
 
-/// A [`NodeRay`] by axis: in the lower halves for the walls that are met first, in the upper ones for those that are met last.
-pub struct Boxes {
-    inverse: [__m512; 3],
-    offset: [__m512; 3],
-    /// Brings the walls of a node into that order.
-    order: [__m128i; 3],
-}
-
 impl Kernel for Avx512 {
     type Boxes = Boxes;
 
     #[inline(always)]
     fn prepare(ray: &NodeRay) -> Boxes {
         // SAFETY: see the module.
-        unsafe { prepare(ray) }
+        unsafe { avx2::prepare(ray) }
     }
 
     #[inline(always)]
@@ -56,7 +48,7 @@ impl Kernel for Avx512 {
     }
 
     #[inline(always)]
-    fn meet(ray: &WatertightRay, block: &TriangleBlock, t_max: f32) -> Crossings {
+    fn meet(ray: &WatertightRay, block: &TriangleBlock, t_max: f32) -> Option<Crossings> {
         avx2::meet(ray, block, t_max)
     }
 
@@ -77,33 +69,8 @@ impl Kernel for Avx512 {
 
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,popcnt,avx512f,avx512vl,avx512bw,avx512dq")]
-fn prepare(ray: &NodeRay) -> Boxes {
-    let inverse = [0, 1, 2].map(|axis| _mm512_set1_ps(ray.inverse[axis]));
-    let offset = [0, 1, 2].map(|axis| {
-        let [first, last] = ray.offsets.map(|offset| _mm512_set1_ps(offset[axis]));
-        _mm512_mask_blend_ps(0xff00, first, last)
-    });
-    let straight = _mm_setr_epi8(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    let order = [0, 1, 2].map(|axis| _mm_xor_si128(straight, _mm_set1_epi8(8 * ray.first(axis) as i8)));
-    Boxes { inverse, offset, order }
-}
-
-#[inline]
-#[target_feature(enable = "avx2,fma,bmi1,popcnt,avx512f,avx512vl,avx512bw,avx512dq")]
 fn enter(ray: &Boxes, node: &Node, t_max: f32) -> (u32, [f32; WIDTH]) {
-    let slab = |axis: usize| {
-        let inverse = ray.inverse[axis];
-        let start = _mm512_fmadd_ps(_mm512_set1_ps(node.corner[axis]), inverse, ray.offset[axis]);
-        let walls = _mm_shuffle_epi8(must_cast(node.walls[axis]), ray.order[axis]);
-        let walls = _mm512_cvtepi32_ps(_mm512_cvtepu8_epi32(walls));
-        _mm512_fmadd_ps(walls, _mm512_mul_ps(_mm512_set1_ps(node.step), inverse), start)
-    };
-    let [x, y, z] = [0, 1, 2].map(|axis| _mm512_castps_si512(slab(axis)));
-    // As integers: see AVX2.
-    let near = _mm512_castsi512_si256(_mm512_max_epi32(_mm512_max_epi32(x, y), z));
-    let far = _mm512_extracti64x4_epi64::<1>(_mm512_min_epi32(_mm512_min_epi32(x, y), z));
-    let near = _mm256_max_epi32(near, _mm256_setzero_si256());
-    let far = _mm256_min_epi32(far, _mm256_castps_si256(_mm256_set1_ps(t_max)));
+    let [near, far] = avx2::slabs(ray, node, t_max);
     (u32::from(_mm256_cmple_epi32_mask(near, far)), must_cast(near))
 }
 

@@ -35,7 +35,7 @@ impl Crossings {
 
     /// Each, of the triangles of `block`.
     #[inline(always)]
-    pub fn of(self, block: &TriangleBlock) -> impl Iterator<Item = Crossing> {
+    pub fn of(&self, block: &TriangleBlock) -> impl Iterator<Item = Crossing> {
         let mut mask = self.mask;
         std::iter::from_fn(move || {
             let i = mask.trailing_zeros() as usize;
@@ -101,8 +101,8 @@ pub trait Kernel: Sized {
     /// The entries of the boxes in `mask`, first.
     fn gather(node: &Node, mask: u32, near: &[f32; WIDTH]) -> [Entry; WIDTH];
 
-    /// Where the ray meets the triangles of `block`, with t in (0, `t_max`].
-    fn meet(ray: &WatertightRay, block: &TriangleBlock, t_max: f32) -> Crossings;
+    /// Where the ray meets the triangles of `block`, with t in (0, `t_max`], if it meets any.
+    fn meet(ray: &WatertightRay, block: &TriangleBlock, t_max: f32) -> Option<Crossings>;
 
     /// Answers `query`, all of it compiled for these instructions.
     fn answer<Q: Query>(query: Q) -> Q::Answer;
@@ -149,7 +149,7 @@ impl Kernel for Portable {
     }
 
     #[inline(always)]
-    fn meet(ray: &WatertightRay, block: &TriangleBlock, t_max: f32) -> Crossings {
+    fn meet(ray: &WatertightRay, block: &TriangleBlock, t_max: f32) -> Option<Crossings> {
         let mut crossings = Crossings::NONE;
         for i in 0..LANES {
             if let Some((t, u, v)) = ray.intersect(&block.triangle(i), t_max) {
@@ -159,7 +159,7 @@ impl Kernel for Portable {
                 crossings.weights[1][i] = v;
             }
         }
-        crossings
+        (crossings.mask != 0).then_some(crossings)
     }
 
     #[inline(never)]

@@ -248,22 +248,21 @@ impl<const PLACED: bool> Query for Closest<'_, PLACED> {
     #[inline(always)]
     fn answer<K: Kernel>(self) -> Option<Hit> {
         let Self { caster, ray, subtree, room } = self;
-        let boxes = NodeRay::new(ray, subtree.largest);
+        let boxes = K::prepare(&NodeRay::new(ray, subtree.largest));
         let triangles = WatertightRay::new(ray);
         let words = caster.arena.words();
         let mut traversal = Traversal::<K>::new(words, &boxes, room);
         let mut t_max = ray.t_max;
         let mut nearest: Option<(Crossing, Child)> = None;
-        let mut take = |crossing: Crossing, leaf: Child| {
+        let mut take = |crossing: Crossing, leaf: Child, t_max: &mut f32| {
             let order = |(crossing, leaf): (Crossing, Child)| (caster.instance_of(leaf), crossing.primitive);
             // Of equally near ones, the first in the scene.
-            let is_first = nearest.is_none_or(|best| {
-                crossing.t < best.0.t || crossing.t == best.0.t && order((crossing, leaf)) < order(best)
-            });
+            let is_first = crossing.t < *t_max
+                || crossing.t == *t_max && nearest.is_none_or(|best| order((crossing, leaf)) < order(best));
             if is_first {
+                *t_max = crossing.t;
                 nearest = Some((crossing, leaf));
             }
-            crossing.t
         };
         let mut next = Some(subtree.root);
         while let Some(child) = next {
@@ -271,12 +270,12 @@ impl<const PLACED: bool> Query for Closest<'_, PLACED> {
                 if PLACED && let Some(instance) = leaf.as_instance() {
                     let ray = Ray { t_max, ..*ray };
                     if let Some(hit) = caster.closest_of::<K>(&ray, instance, traversal.rest()) {
-                        t_max = take(hit.into(), leaf);
+                        take(hit.into(), leaf, &mut t_max);
                     }
                 } else {
                     let block = block(words, leaf);
-                    for crossing in K::meet(&triangles, block, t_max).of(block) {
-                        t_max = t_max.min(take(crossing, leaf));
+                    if let Some(crossings) = K::meet(&triangles, block, t_max) {
+                        crossings.of(block).for_each(|crossing| take(crossing, leaf, &mut t_max));
                     }
                 }
             }
@@ -300,7 +299,7 @@ impl<const PLACED: bool> Query for Occluded<'_, PLACED> {
     #[inline(always)]
     fn answer<K: Kernel>(self) -> bool {
         let Self { caster, ray, subtree, room } = self;
-        let boxes = NodeRay::new(ray, subtree.largest);
+        let boxes = K::prepare(&NodeRay::new(ray, subtree.largest));
         let triangles = WatertightRay::new(ray);
         let words = caster.arena.words();
         let mut traversal = Traversal::<K>::new(words, &boxes, room);
@@ -309,7 +308,7 @@ impl<const PLACED: bool> Query for Occluded<'_, PLACED> {
             if let Some(leaf) = traversal.any_leaf(child, ray.t_max) {
                 let is_met = match leaf.as_instance() {
                     Some(instance) if PLACED => caster.is_occluded_by::<K>(ray, instance, traversal.rest()),
-                    _ => K::meet(&triangles, block(words, leaf), ray.t_max).mask != 0,
+                    _ => K::meet(&triangles, block(words, leaf), ray.t_max).is_some(),
                 };
                 if is_met {
                     return true;
@@ -337,15 +336,16 @@ impl Query for AllHits<'_> {
     #[inline(always)]
     fn answer<K: Kernel>(self) {
         let Self { words, ray, subtree, instance, hits, room } = self;
-        let boxes = NodeRay::new(ray, subtree.largest);
+        let boxes = K::prepare(&NodeRay::new(ray, subtree.largest));
         let triangles = WatertightRay::new(ray);
         let mut traversal = Traversal::<K>::new(words, &boxes, room);
         let mut next = Some(subtree.root);
         while let Some(child) = next {
             if let Some(leaf) = traversal.any_leaf(child, ray.t_max) {
                 let block = block(words, leaf);
-                let crossings = K::meet(&triangles, block, ray.t_max);
-                hits.extend(crossings.of(block).map(|crossing| crossing.hit(instance)));
+                if let Some(crossings) = K::meet(&triangles, block, ray.t_max) {
+                    hits.extend(crossings.of(block).map(|crossing| crossing.hit(instance)));
+                }
             }
             next = traversal.pop(ray.t_max);
         }

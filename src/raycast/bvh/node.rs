@@ -24,14 +24,16 @@ pub const BLOCK_WORDS: usize = size_of::<TriangleBlock>() / size_of::<Word>();
 #[inline(always)]
 pub fn node(words: &[Word], child: Child) -> &Node {
     // A node is named by its place alone.
-    let words = &words[child.0 as usize..][..NODE_WORDS];
+    let start = child.0 as usize;
+    let words = &words[start..start + NODE_WORDS];
     must_cast_ref::<[Word; NODE_WORDS], _>(words.try_into().expect("as many"))
 }
 
 /// The block that `child` names.
 #[inline(always)]
 pub fn block(words: &[Word], child: Child) -> &TriangleBlock {
-    let words = &words[child.word()..][..BLOCK_WORDS];
+    let start = child.word();
+    let words = &words[start..start + BLOCK_WORDS];
     must_cast_ref::<[Word; BLOCK_WORDS], _>(words.try_into().expect("as many"))
 }
 

@@ -1,12 +1,12 @@
 //! The traversals: to the nearest hit, and through all that a ray meets.
 
 use std::cell::RefCell;
+use std::hint::black_box;
 
 use super::bounds::Bounds;
 use super::build::{Built, DEPTH};
 use super::kernel::{Entry, Kernel, entry};
 use super::node::{Child, Node, WIDTH, Word, node};
-use super::prepared::NodeRay;
 
 /// Levels of the hierarchy over placements and of one below it.
 const LEVELS: usize = 2 * DEPTH;
@@ -44,7 +44,7 @@ impl Subtree {
 /// A walk of a ray through the boxes of a hierarchy: down from a child to a leaf, then on from the next child on the stack.
 pub struct Traversal<'a, K: Kernel> {
     words: &'a [Word],
-    ray: K::Boxes,
+    ray: &'a K::Boxes,
     /// The stack, as far as it reaches, and room for more.
     room: &'a mut [Entry],
     length: usize,
@@ -53,8 +53,9 @@ pub struct Traversal<'a, K: Kernel> {
 impl<'a, K: Kernel> Traversal<'a, K> {
     /// Begins with nothing on the stack.
     #[inline(always)]
-    pub fn new(words: &'a [Word], ray: &NodeRay, room: &'a mut [Entry]) -> Self {
-        Self { words, ray: K::prepare(ray), room, length: 0 }
+    pub fn new(words: &'a [Word], ray: &'a K::Boxes, room: &'a mut [Entry]) -> Self {
+        // A compiler that knows that all numbers of a vector are equal computes with one and copies it afterwards, which takes longer.
+        Self { words, ray: black_box(ray), room, length: 0 }
     }
 
     /// What of the room is not used.
@@ -69,7 +70,7 @@ impl<'a, K: Kernel> Traversal<'a, K> {
     pub fn nearest_leaf(&mut self, mut child: Child, t_max: f32) -> Option<Child> {
         while child.is_node() {
             let node = node(self.words, child);
-            let (mask, near) = K::enter(&self.ray, node, t_max);
+            let (mask, near) = K::enter(self.ray, node, t_max);
             if mask == 0 {
                 return None;
             }
@@ -101,7 +102,7 @@ impl<'a, K: Kernel> Traversal<'a, K> {
     pub fn any_leaf(&mut self, mut child: Child, t_max: f32) -> Option<Child> {
         while child.is_node() {
             let node = node(self.words, child);
-            let (mask, near) = K::enter(&self.ray, node, t_max);
+            let (mask, near) = K::enter(self.ray, node, t_max);
             if mask == 0 {
                 return None;
             }
