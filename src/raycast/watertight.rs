@@ -7,9 +7,10 @@ use super::Ray;
 
 /// A ray prepared for [`WatertightRay::intersect`]: sheared so that it runs along its longest axis.
 pub struct WatertightRay {
-    pub(super) origin: Vec3,
     /// Axes in the order that makes the longest of the direction the last.
     pub(super) axes: [usize; 3],
+    /// Along these axes.
+    pub(super) origin: Vec3,
     pub(super) shear: Vec3,
 }
 
@@ -18,14 +19,19 @@ impl WatertightRay {
     pub fn new(ray: &Ray) -> Self {
         const AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
         let axes = AXES[ray.direction.abs().max_position()];
-        let [x, y, z] = axes.map(|axis| ray.direction.to_array()[axis]);
-        Self { origin: ray.origin, axes, shear: Vec3::new(x / z, y / z, 1.0 / z) }
+        let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
+        let [x, y, z] = axes.map(|axis| direction[axis]);
+        Self {
+            axes,
+            origin: Vec3::from(axes.map(|axis| origin[axis])),
+            shear: Vec3::new(x / z, y / z, 1.0 / z),
+        }
     }
 
     /// Parameter t in (0, `t_max`] and barycentric coordinates (u, v) of the second and third vertex. A ray
     /// through an edge meets all triangles of that edge.
     pub fn intersect(&self, corners: &[Vec3; 3], t_max: f32) -> Option<(f32, f32, f32)> {
-        let [a, b, c] = corners.map(|corner| self.shear(corner - self.origin));
+        let [a, b, c] = corners.map(|corner| self.shear(corner));
         let weights = Vec3::new(side(c, b), side(a, c), side(b, a));
         if weights.min_element() < 0.0 && weights.max_element() > 0.0 {
             return None;
@@ -38,7 +44,7 @@ impl WatertightRay {
     }
 
     fn shear(&self, point: Vec3) -> Vec3 {
-        let [x, y, z] = self.axes.map(|axis| point[axis]);
+        let [x, y, z] = (Vec3::from(self.axes.map(|axis| point[axis])) - self.origin).to_array();
         Vec3::new(x - self.shear.x * z, y - self.shear.y * z, z)
     }
 }

@@ -13,10 +13,6 @@ pub fn backends(geometry: &Geometry) -> Vec<(&'static str, Box<dyn RayCaster>)> 
         ("embree", Box::new(alabaster::raycast::embree::EmbreeCaster::new(geometry, 0).expect("builds"))),
         ("bvh", Box::new(alabaster::raycast::bvh::BvhCaster::new(geometry).expect("builds"))),
         (
-            "bvh, AVX2",
-            Box::new(alabaster::raycast::bvh::BvhCaster::new(geometry).expect("builds").at_most_avx2()),
-        ),
-        (
             "bvh, portable",
             Box::new(alabaster::raycast::bvh::BvhCaster::new(geometry).expect("builds").portable()),
         ),

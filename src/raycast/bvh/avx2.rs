@@ -6,11 +6,11 @@
 
 use std::arch::x86_64::*;
 
-use bytemuck::must_cast;
+use bytemuck::{must_cast, must_cast_ref};
 use glam::Vec3A;
 
 use super::kernel::{Crossings, Entry, Kernel, Portable, Query};
-use super::node::{Child, Node, TriangleBlock, WIDTH, Word};
+use super::node::{Child, LANES, Node, TriangleBlock, WIDTH, Word};
 use super::prepared::NodeRay;
 use crate::raycast::watertight::WatertightRay;
 
@@ -21,8 +21,6 @@ pub struct Avx2;
 pub struct Boxes {
     inverse: [__m256; 3],
     offsets: [[__m256; 3]; 2],
-    /// By axis: which wall is met first.
-    first: [usize; 3],
 }
 
 /// True if the processor has what it takes.
@@ -43,15 +41,33 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn enter(ray: &Boxes, node: &Node, t_max: f32) -> (u32, [f32; WIDTH]) {
+    fn enter(ray: &Boxes, first: &[usize; 3], node: &Node, t_max: f32) -> (u32, [f32; WIDTH]) {
         // SAFETY: see the module.
-        unsafe { enter(ray, node, t_max) }
+        unsafe { enter(ray, first, node, t_max) }
+    }
+
+    #[inline(always)]
+    fn leaves(node: &Node) -> u32 {
+        // SAFETY: see the module.
+        unsafe { leaves(node) }
     }
 
     #[inline(always)]
     fn gather(node: &Node, mask: u32, near: &[f32; WIDTH]) -> [Entry; WIDTH] {
         // SAFETY: see the module.
         unsafe { gather(node, mask, near) }
+    }
+
+    #[inline(always)]
+    fn nearest(near: &[f32; WIDTH]) -> usize {
+        // SAFETY: see the module.
+        unsafe { nearest(near) }
+    }
+
+    #[inline(always)]
+    fn pick(node: &Node, mask: u32) -> [Child; WIDTH] {
+        // SAFETY: see the module.
+        unsafe { pick(node, mask) }
     }
 
     #[inline(always)]
@@ -71,7 +87,7 @@ impl Kernel for Avx2 {
     #[inline(always)]
     fn prefetch(words: &[Word], child: Child) {
         let start = words.as_ptr().wrapping_add(child.0 as usize).cast::<i8>();
-        for line in 0..4 {
+        for line in 0..3 {
             // SAFETY: reads nothing, and nothing happens where there is no memory.
             unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(64 * line)) };
         }
@@ -80,26 +96,20 @@ impl Kernel for Avx2 {
 
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,popcnt")]
-pub fn prepare(ray: &NodeRay) -> Boxes {
+fn prepare(ray: &NodeRay) -> Boxes {
     let broadcast = |vector: Vec3A| vector.to_array().map(|x| _mm256_set1_ps(x));
-    Boxes {
-        inverse: broadcast(ray.inverse),
-        offsets: ray.offsets.map(broadcast),
-        first: [0, 1, 2].map(|axis| ray.first(axis)),
-    }
+    Boxes { inverse: broadcast(ray.inverse), offsets: ray.offsets.map(broadcast) }
 }
 
-/// Where the ray enters and leaves each box, within [0, `t_max`]. As integers, which are compared in a quarter of the time: numbers that
-/// are not negative have the same order, and others come before.
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,popcnt")]
-pub fn slabs(ray: &Boxes, node: &Node, t_max: f32) -> [__m256i; 2] {
+fn enter(ray: &Boxes, first: &[usize; 3], node: &Node, t_max: f32) -> (u32, [f32; WIDTH]) {
     let slab = |axis: usize| {
         let inverse = ray.inverse[axis];
         let corner = _mm256_set1_ps(node.corner[axis]);
         let step = _mm256_mul_ps(_mm256_set1_ps(node.step), inverse);
         let at = |which: usize| {
-            let walls = node.walls[axis][ray.first[axis] & 1 ^ which];
+            let walls = node.walls[axis][(first[axis] % 2) ^ which];
             let walls = _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_cvtsi64_si128(must_cast(walls))));
             let start = _mm256_fmadd_ps(corner, inverse, ray.offsets[which][axis]);
             _mm256_castps_si256(_mm256_fmadd_ps(walls, step, start))
@@ -107,18 +117,22 @@ pub fn slabs(ray: &Boxes, node: &Node, t_max: f32) -> [__m256i; 2] {
         [at(0), at(1)]
     };
     let [x, y, z] = [slab(0), slab(1), slab(2)];
+    // Compared as integers, which takes a quarter of the time: numbers that are not negative have the same order, and others come before.
     let t_max = _mm256_castps_si256(_mm256_set1_ps(t_max));
     let near = _mm256_max_epi32(_mm256_max_epi32(x[0], y[0]), _mm256_max_epi32(z[0], _mm256_setzero_si256()));
     let far = _mm256_min_epi32(_mm256_min_epi32(x[1], y[1]), _mm256_min_epi32(z[1], t_max));
-    [near, far]
+    let outside = _mm256_cmpgt_epi32(near, far);
+    let mask = !_mm256_movemask_ps(_mm256_castsi256_ps(outside)) as u32 & 0xff;
+    // Of the others, the largest integers.
+    (mask, must_cast(_mm256_or_si256(near, _mm256_srli_epi32::<1>(outside))))
 }
 
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,popcnt")]
-fn enter(ray: &Boxes, node: &Node, t_max: f32) -> (u32, [f32; WIDTH]) {
-    let [near, far] = slabs(ray, node, t_max);
-    let outside = _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(near, far)));
-    (!outside as u32 & 0xff, must_cast(near))
+fn leaves(node: &Node) -> u32 {
+    // Their lowest bits say so.
+    let bits = _mm256_slli_epi32::<31>(must_cast(node.children));
+    _mm256_movemask_ps(_mm256_castsi256_ps(bits)) as u32
 }
 
 /// By mask: which lanes are set in it, first.
@@ -151,20 +165,36 @@ fn gather(node: &Node, mask: u32, near: &[f32; WIDTH]) -> [Entry; WIDTH] {
     must_cast([_mm256_permute2x128_si256::<0x20>(low, high), _mm256_permute2x128_si256::<0x31>(low, high)])
 }
 
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,popcnt")]
+fn pick(node: &Node, mask: u32) -> [Child; WIDTH] {
+    let lanes = must_cast(SET_LANES[mask as usize & 0xff]);
+    must_cast(_mm256_permutevar8x32_epi32(must_cast(node.children), lanes))
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,popcnt")]
+fn nearest(near: &[f32; WIDTH]) -> usize {
+    let near: __m256i = must_cast(*near);
+    let least = _mm256_min_epi32(near, _mm256_permute2x128_si256::<1>(near, near));
+    let least = _mm256_min_epi32(least, _mm256_shuffle_epi32::<0b01_00_11_10>(least));
+    let least = _mm256_min_epi32(least, _mm256_shuffle_epi32::<0b10_11_00_01>(least));
+    let first = _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(near, least)));
+    first.trailing_zeros() as usize
+}
+
 /// The operations of [`WatertightRay::intersect`], in the same order. They are such as every processor has, so that this can be part of all
 /// that call it: as a function of its own it would hand over its results by memory.
 #[inline(always)]
-pub fn meet(ray: &WatertightRay, block: &TriangleBlock, t_max: f32) -> Option<Crossings> {
-    let [kx, ky, kz] = ray.axes;
-    if kx > 2 || ky > 2 || kz > 2 {
-        return None;
-    }
+fn meet(ray: &WatertightRay, block: &TriangleBlock, t_max: f32) -> Option<Crossings> {
+    // With the indices as a tenth row, of which no axis leads out.
+    let rows: &[[f32; LANES]; 10] = must_cast_ref(block);
     // SAFETY: SSE belongs to x86-64.
     unsafe {
-        let [ox, oy, oz] = [kx, ky, kz].map(|axis| _mm_set1_ps(ray.origin[axis]));
+        let [ox, oy, oz] = ray.origin.to_array().map(|origin| _mm_set1_ps(origin));
         let [shear_x, shear_y, shear_z] = ray.shear.to_array().map(|shear| _mm_set1_ps(shear));
         let sheared = |corner: usize| {
-            let [x, y, z]: [__m128; 3] = [kx, ky, kz].map(|axis| must_cast(block.corners[corner][axis]));
+            let [x, y, z]: [__m128; 3] = ray.axes.map(|axis| must_cast(rows[3 * corner + axis % 4]));
             let (x, y, z) = (_mm_sub_ps(x, ox), _mm_sub_ps(y, oy), _mm_sub_ps(z, oz));
             (_mm_sub_ps(x, _mm_mul_ps(shear_x, z)), _mm_sub_ps(y, _mm_mul_ps(shear_y, z)), z)
         };

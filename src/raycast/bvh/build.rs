@@ -20,6 +20,8 @@ const LEVELS: u32 = 64;
 pub struct Built {
     pub root: Child,
     pub bounds: Bounds,
+    /// What has been built over so many boxes.
+    pub count: usize,
 }
 
 /// Appends to `arena` a hierarchy over `items`, of which there is at least one. `leaf` appends what is in at most `capacity` of them (no more than a block
@@ -40,7 +42,7 @@ pub fn build(
         let root = collapse.run(&mut leaf)?;
         let depth = collapse.depth;
         if depth <= DEPTH {
-            return Ok(Built { root, bounds: parts[0].bounds() });
+            return Ok(Built { root, bounds: parts[0].bounds(), count: items.len() });
         }
         arena.truncate(start);
     }

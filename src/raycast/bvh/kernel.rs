@@ -1,5 +1,5 @@
-//! The two tests that a traversal is made of, for eight boxes and for four triangles at once: by AVX-512 or AVX2 where the processor has it,
-//! and in plain Rust. Hits are the same bit for bit: boxes only decide what is looked at, and triangles are computed without fused
+//! The two tests that a traversal is made of, for eight boxes and for four triangles at once: by AVX2 where the processor has it, and
+//! in plain Rust. Hits are the same bit for bit: boxes only decide what is looked at, and triangles are computed without fused
 //! operations.
 
 use super::node::{Child, LANES, Node, TriangleBlock, WIDTH, Word};
@@ -42,7 +42,7 @@ impl Crossings {
             mask &= mask.wrapping_sub(1);
             (i < LANES).then(|| Crossing {
                 t: self.t[i],
-                weights: self.weights.map(|weight| weight[i]),
+                weights: [self.weights[0][i], self.weights[1][i]],
                 determinant: self.determinant[i],
                 primitive: block.primitives[i],
             })
@@ -95,11 +95,22 @@ pub trait Kernel: Sized {
     /// The ray in that form.
     fn prepare(ray: &NodeRay) -> Self::Boxes;
 
-    /// Which of the boxes of `node` the ray may enter before `t_max` (by bits), and where it enters each.
-    fn enter(ray: &Self::Boxes, node: &Node, t_max: f32) -> (u32, [f32; WIDTH]);
+    /// Which of the boxes of `node` the ray may enter before `t_max` (by bits), and where it enters each of them; others
+    /// are farther than all numbers.
+    /// `first`: see [`NodeRay::first`].
+    fn enter(ray: &Self::Boxes, first: &[usize; 3], node: &Node, t_max: f32) -> (u32, [f32; WIDTH]);
+
+    /// In which of its boxes there are blocks or instances, by bits.
+    fn leaves(node: &Node) -> u32;
 
     /// The entries of the boxes in `mask`, first.
     fn gather(node: &Node, mask: u32, near: &[f32; WIDTH]) -> [Entry; WIDTH];
+
+    /// The box that is entered first, if any is.
+    fn nearest(near: &[f32; WIDTH]) -> usize;
+
+    /// What is in the boxes in `mask`, first.
+    fn pick(node: &Node, mask: u32) -> [Child; WIDTH];
 
     /// Where the ray meets the triangles of `block`, with t in (0, `t_max`], if it meets any.
     fn meet(ray: &WatertightRay, block: &TriangleBlock, t_max: f32) -> Option<Crossings>;
@@ -123,11 +134,11 @@ impl Kernel for Portable {
     }
 
     #[inline(always)]
-    fn enter(ray: &NodeRay, node: &Node, t_max: f32) -> (u32, [f32; WIDTH]) {
+    fn enter(ray: &NodeRay, first: &[usize; 3], node: &Node, t_max: f32) -> (u32, [f32; WIDTH]) {
         let mut near = [0.0_f32; WIDTH];
         let mut far = [t_max; WIDTH];
         for axis in 0..3 {
-            let first = ray.first(axis);
+            let first = first[axis] % 2;
             let (first, last) = (&node.walls[axis][first], &node.walls[axis][first ^ 1]);
             let step = node.step * ray.inverse[axis];
             let at = |which: usize| node.corner[axis] * ray.inverse[axis] + ray.offsets[which][axis];
@@ -137,7 +148,18 @@ impl Kernel for Portable {
                 far[i] = far[i].min(f32::from(last[i]) * step + end);
             }
         }
-        ((0..WIDTH).map(|i| u32::from(near[i] <= far[i]) << i).sum(), near)
+        let mut mask = 0;
+        for i in 0..WIDTH {
+            let is_entered = near[i] <= far[i];
+            mask |= u32::from(is_entered) << i;
+            near[i] = if is_entered { near[i] } else { f32::INFINITY };
+        }
+        (mask, near)
+    }
+
+    #[inline(always)]
+    fn leaves(node: &Node) -> u32 {
+        (0..WIDTH).map(|i| u32::from(!node.children[i].is_node()) << i).sum()
     }
 
     #[inline(always)]
@@ -146,6 +168,19 @@ impl Kernel for Portable {
         let inside = (0..WIDTH).filter(|i| mask >> i & 1 == 1);
         entries.iter_mut().zip(inside).for_each(|(place, i)| *place = entry(near[i], node.children[i]));
         entries
+    }
+
+    #[inline(always)]
+    fn nearest(near: &[f32; WIDTH]) -> usize {
+        (0..WIDTH).min_by_key(|i| near[*i].to_bits()).unwrap_or_default()
+    }
+
+    #[inline(always)]
+    fn pick(node: &Node, mask: u32) -> [Child; WIDTH] {
+        let mut children = [Child::NOTHING; WIDTH];
+        let inside = (0..WIDTH).filter(|i| mask >> i & 1 == 1);
+        children.iter_mut().zip(inside).for_each(|(place, i)| *place = node.children[i]);
+        children
     }
 
     #[inline(always)]

@@ -10,8 +10,6 @@
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
-#[cfg(target_arch = "x86_64")]
-mod avx512;
 mod bounds;
 mod build;
 mod kernel;
@@ -29,12 +27,12 @@ use glam::{Affine3A, Vec3, Vec3A};
 
 use self::bounds::Bounds;
 use self::build::build;
-use self::kernel::{Crossing, Entry, Kernel, Portable, Query};
-use self::node::{BLOCK_WORDS, Child, LANES, TriangleBlock, Word, block};
+use self::kernel::{Crossing, Kernel, Portable, Query};
+use self::node::{BLOCK_WORDS, Child, LANES, TriangleBlock, WIDTH, Word, block, node};
 use self::pages::{Arena, Pages};
 use self::partition::Item;
 use self::prepared::NodeRay;
-use self::traverse::{Subtree, Traversal, with_room};
+use self::traverse::{MOST_ASIDE, Room, Subtree, Sweep, Traversal, with_room};
 use super::nearest::{Nearest, ObjectSpace};
 use super::watertight::WatertightRay;
 use super::{DistanceQuery, Geometry, Hit, Ray, RayCaster, RaycastError, TriangleMesh};
@@ -58,27 +56,8 @@ pub struct BvhCaster {
     /// The instances that lie in the world: the first unit of each, and its number, in rising order.
     baked: Vec<(usize, u32)>,
     build_time: Duration,
-    instructions: Instructions,
-}
-
-/// What a processor can do, in rising order.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Instructions {
-    Portable,
-    Avx2,
-    Avx512,
-}
-
-impl Instructions {
-    fn best() -> Self {
-        #[cfg(target_arch = "x86_64")]
-        if avx512::is_available() {
-            return Self::Avx512;
-        } else if avx2::is_available() {
-            return Self::Avx2;
-        }
-        Self::Portable
-    }
+    /// Without AVX2.
+    is_portable: bool,
 }
 
 /// Triangles of an instance.
@@ -134,18 +113,16 @@ impl BvhCaster {
             placements,
             baked,
             build_time: start.elapsed(),
-            instructions: Instructions::best(),
+            #[cfg(target_arch = "x86_64")]
+            is_portable: !avx2::is_available(),
+            #[cfg(not(target_arch = "x86_64"))]
+            is_portable: true,
         })
-    }
-
-    /// The same with instructions no newer than AVX2.
-    pub fn at_most_avx2(self) -> Self {
-        Self { instructions: self.instructions.min(Instructions::Avx2), ..self }
     }
 
     /// The same without instructions that not every processor has.
     pub fn portable(self) -> Self {
-        Self { instructions: Instructions::Portable, ..self }
+        Self { is_portable: true, ..self }
     }
 
     /// How long [`BvhCaster::new`] took.
@@ -171,29 +148,37 @@ impl BvhCaster {
     }
 
     /// The nearest hit of an instance that does not lie in the world.
-    fn closest_of<K: Kernel>(&self, ray: &Ray, instance: u32, room: &mut [Entry]) -> Option<Hit> {
+    fn closest_of<K: Kernel>(
+        &self,
+        ray: &Ray,
+        instance: u32,
+        (room, bottom): (&mut Room, usize),
+    ) -> Option<Hit> {
         let placement = self.placement(instance)?;
         let ray = &placement.to_object(ray);
-        K::answer(Closest::<false> { caster: self, ray, subtree: &placement.mesh, room })
+        K::answer(Closest::<false> { caster: self, ray, subtree: &placement.mesh, room, bottom })
     }
 
-    fn is_occluded_by<K: Kernel>(&self, ray: &Ray, instance: u32, room: &mut [Entry]) -> bool {
+    fn is_occluded_by<K: Kernel>(
+        &self,
+        ray: &Ray,
+        instance: u32,
+        (room, bottom): (&mut Room, usize),
+    ) -> bool {
         self.placement(instance).is_some_and(|placement| {
             let ray = &placement.to_object(ray);
-            K::answer(Occluded::<false> { caster: self, ray, subtree: &placement.mesh, room })
+            K::answer(Occluded::<false> { caster: self, ray, subtree: &placement.mesh, room, bottom })
         })
     }
 
     /// Answers by the best instructions that there are.
     #[inline]
     fn answer<Q: Query>(&self, query: Q) -> Q::Answer {
-        match self.instructions {
-            #[cfg(target_arch = "x86_64")]
-            Instructions::Avx512 => avx512::Avx512::answer(query),
-            #[cfg(target_arch = "x86_64")]
-            Instructions::Avx2 => avx2::Avx2::answer(query),
-            _ => Portable::answer(query),
+        #[cfg(target_arch = "x86_64")]
+        if !self.is_portable {
+            return avx2::Avx2::answer(query);
         }
+        Portable::answer(query)
     }
 }
 
@@ -201,16 +186,16 @@ impl RayCaster for BvhCaster {
     fn closest(&self, ray: &Ray) -> Option<Hit> {
         let subtree = self.world.as_ref()?;
         with_room(|room| match self.has_instances {
-            true => self.answer(Closest::<true> { caster: self, ray, subtree, room }),
-            false => self.answer(Closest::<false> { caster: self, ray, subtree, room }),
+            true => self.answer(Closest::<true> { caster: self, ray, subtree, room, bottom: 0 }),
+            false => self.answer(Closest::<false> { caster: self, ray, subtree, room, bottom: 0 }),
         })
     }
 
     fn occluded(&self, ray: &Ray) -> bool {
         let Some(subtree) = &self.world else { return false };
         with_room(|room| match self.has_instances {
-            true => self.answer(Occluded::<true> { caster: self, ray, subtree, room }),
-            false => self.answer(Occluded::<false> { caster: self, ray, subtree, room }),
+            true => self.answer(Occluded::<true> { caster: self, ray, subtree, room, bottom: 0 }),
+            false => self.answer(Occluded::<false> { caster: self, ray, subtree, room, bottom: 0 }),
         })
     }
 
@@ -239,7 +224,9 @@ struct Closest<'a, const PLACED: bool> {
     caster: &'a BvhCaster,
     ray: &'a Ray,
     subtree: &'a Subtree,
-    room: &'a mut [Entry],
+    room: &'a mut Room,
+    /// How much of it is in use.
+    bottom: usize,
 }
 
 impl<const PLACED: bool> Query for Closest<'_, PLACED> {
@@ -247,11 +234,12 @@ impl<const PLACED: bool> Query for Closest<'_, PLACED> {
 
     #[inline(always)]
     fn answer<K: Kernel>(self) -> Option<Hit> {
-        let Self { caster, ray, subtree, room } = self;
-        let boxes = K::prepare(&NodeRay::new(ray, subtree.largest));
+        let Self { caster, ray, subtree, room, bottom } = self;
+        let boxes = NodeRay::new(ray, subtree.largest);
+        let boxes = (&K::prepare(&boxes), boxes.first());
         let triangles = WatertightRay::new(ray);
         let words = caster.arena.words();
-        let mut traversal = Traversal::<K>::new(words, &boxes, room);
+        let mut traversal = Traversal::<K>::new(words, boxes, subtree.root, room, bottom);
         let mut t_max = ray.t_max;
         let mut nearest: Option<(Crossing, Child)> = None;
         let mut take = |crossing: Crossing, leaf: Child, t_max: &mut f32| {
@@ -264,22 +252,18 @@ impl<const PLACED: bool> Query for Closest<'_, PLACED> {
                 nearest = Some((crossing, leaf));
             }
         };
-        let mut next = Some(subtree.root);
-        while let Some(child) = next {
-            if let Some(leaf) = traversal.nearest_leaf(child, t_max) {
-                if PLACED && let Some(instance) = leaf.as_instance() {
-                    let ray = Ray { t_max, ..*ray };
-                    if let Some(hit) = caster.closest_of::<K>(&ray, instance, traversal.rest()) {
-                        take(hit.into(), leaf, &mut t_max);
-                    }
-                } else {
-                    let block = block(words, leaf);
-                    if let Some(crossings) = K::meet(&triangles, block, t_max) {
-                        crossings.of(block).for_each(|crossing| take(crossing, leaf, &mut t_max));
-                    }
+        while let Some(leaf) = traversal.next_leaf(t_max) {
+            if PLACED && let Some(instance) = leaf.as_instance() {
+                let ray = Ray { t_max, ..*ray };
+                if let Some(hit) = caster.closest_of::<K>(&ray, instance, traversal.room()) {
+                    take(hit.into(), leaf, &mut t_max);
+                }
+            } else {
+                let block = block(words, leaf);
+                if let Some(crossings) = K::meet(&triangles, block, t_max) {
+                    crossings.of(block).for_each(|crossing| take(crossing, leaf, &mut t_max));
                 }
             }
-            next = traversal.pop(t_max);
         }
         nearest.map(|(crossing, leaf)| crossing.hit(caster.instance_of(leaf)))
     }
@@ -290,7 +274,9 @@ struct Occluded<'a, const PLACED: bool> {
     caster: &'a BvhCaster,
     ray: &'a Ray,
     subtree: &'a Subtree,
-    room: &'a mut [Entry],
+    room: &'a mut Room,
+    /// How much of it is in use.
+    bottom: usize,
 }
 
 impl<const PLACED: bool> Query for Occluded<'_, PLACED> {
@@ -298,23 +284,25 @@ impl<const PLACED: bool> Query for Occluded<'_, PLACED> {
 
     #[inline(always)]
     fn answer<K: Kernel>(self) -> bool {
-        let Self { caster, ray, subtree, room } = self;
-        let boxes = K::prepare(&NodeRay::new(ray, subtree.largest));
+        let Self { caster, ray, subtree, room, bottom } = self;
+        let boxes = NodeRay::new(ray, subtree.largest);
+        let boxes = (&K::prepare(&boxes), boxes.first());
         let triangles = WatertightRay::new(ray);
         let words = caster.arena.words();
-        let mut traversal = Traversal::<K>::new(words, &boxes, room);
-        let mut next = Some(subtree.root);
-        while let Some(child) = next {
-            if let Some(leaf) = traversal.any_leaf(child, ray.t_max) {
-                let is_met = match leaf.as_instance() {
-                    Some(instance) if PLACED => caster.is_occluded_by::<K>(ray, instance, traversal.rest()),
-                    _ => K::meet(&triangles, block(words, leaf), ray.t_max).is_some(),
-                };
-                if is_met {
-                    return true;
-                }
+        let meets = |leaf: Child| K::meet(&triangles, block(words, leaf), ray.t_max).is_some();
+        let mut sweep = Sweep::<K>::new(words, boxes, ray.t_max, subtree.root, room, bottom);
+        if !PLACED {
+            // Of more, most would be looked into in vain behind the one that is hit.
+            return sweep.any_block(4, meets);
+        }
+        while let Some(leaf) = sweep.next_leaf() {
+            let is_met = match leaf.as_instance() {
+                Some(instance) => caster.is_occluded_by::<K>(ray, instance, sweep.room()),
+                None => meets(leaf),
+            };
+            if is_met {
+                return true;
             }
-            next = traversal.pop(ray.t_max);
         }
         false
     }
@@ -327,7 +315,7 @@ struct AllHits<'a> {
     subtree: &'a Subtree,
     instance: u32,
     hits: &'a mut Vec<Hit>,
-    room: &'a mut [Entry],
+    room: &'a mut Room,
 }
 
 impl Query for AllHits<'_> {
@@ -336,19 +324,17 @@ impl Query for AllHits<'_> {
     #[inline(always)]
     fn answer<K: Kernel>(self) {
         let Self { words, ray, subtree, instance, hits, room } = self;
-        let boxes = K::prepare(&NodeRay::new(ray, subtree.largest));
+        let boxes = NodeRay::new(ray, subtree.largest);
+        let boxes = (&K::prepare(&boxes), boxes.first());
         let triangles = WatertightRay::new(ray);
-        let mut traversal = Traversal::<K>::new(words, &boxes, room);
-        let mut next = Some(subtree.root);
-        while let Some(child) = next {
-            if let Some(leaf) = traversal.any_leaf(child, ray.t_max) {
-                let block = block(words, leaf);
-                if let Some(crossings) = K::meet(&triangles, block, ray.t_max) {
-                    hits.extend(crossings.of(block).map(|crossing| crossing.hit(instance)));
-                }
+        let sweep = Sweep::<K>::new(words, boxes, ray.t_max, subtree.root, room, 0);
+        sweep.any_block(MOST_ASIDE, |child| {
+            let block = block(words, child);
+            if let Some(crossings) = K::meet(&triangles, block, ray.t_max) {
+                crossings.of(block).for_each(|crossing| hits.push(crossing.hit(instance)));
             }
-            next = traversal.pop(ray.t_max);
-        }
+            false
+        });
     }
 }
 
@@ -390,22 +376,31 @@ fn push_block(arena: &mut Arena, block: TriangleBlock) -> Result<Child, RaycastE
     arena.push(&words).map(Child::block)
 }
 
-/// Appends the hierarchy over all placements. A single one that lies in the world is its own.
+/// Appends the hierarchy over all placements. A single one that lies in the world is its own. Of a few, the one of most triangles is opened, so that rays
+/// need not pass the boxes of all before its own (Benthin, Woop, Wald, Áfra 2017, "Improved two-level BVHs using partial re-braiding").
 fn build_world(
     arena: &mut Arena,
     geometry: &Geometry,
     placements: &[Option<Placement>],
 ) -> Result<Option<Subtree>, RaycastError> {
-    let placed: Vec<_> = (0..)
-        .zip(placements.iter().zip(geometry.instances))
-        .filter_map(|(id, (placement, instance))| {
-            let Placement { mesh, space } = placement.as_ref()?;
-            Some(match space {
-                None => (mesh.bounds, mesh.root),
-                Some(_) => (mesh.bounds.transformed(&instance.transform), Child::instance(id)),
-            })
-        })
-        .collect();
+    let mut placed = vec![];
+    let mut most = None;
+    for (id, (placement, instance)) in (0..).zip(placements.iter().zip(geometry.instances)) {
+        let Some(Placement { mesh, space }) = placement else { continue };
+        if space.is_none() && mesh.root.is_node() && most.is_none_or(|(_, count)| mesh.count > count) {
+            most = Some((placed.len(), mesh.count));
+        }
+        placed.push(match space {
+            None => (mesh.bounds, mesh.root),
+            Some(_) => (mesh.bounds.transformed(&instance.transform), Child::instance(id)),
+        });
+    }
+    if let Some((index, _)) = most
+        && (2..WIDTH).contains(&placed.len())
+    {
+        let (_, root) = placed.swap_remove(index);
+        placed.extend(node(arena.words(), root).contents());
+    }
     let mut items: Vec<_> =
         (0..).zip(&placed).map(|(index, (bounds, _))| Item::new(*bounds, index)).collect();
     if items.is_empty() {

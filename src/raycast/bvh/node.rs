@@ -72,6 +72,9 @@ impl Child {
     /// are not there, comes to an end.
     pub const NOTHING: Self = Self::block(0);
 
+    /// No child: what is left of a walk that is over.
+    pub const END: Self = Self(u32::MAX);
+
     /// The block that begins at `word`.
     pub const fn block(word: usize) -> Self {
         Self(word as u32 | Self::LEAF)
@@ -123,6 +126,17 @@ impl Node {
             node.children[i] = child;
         }
         node
+    }
+
+    /// Its children and their boxes.
+    pub fn contents(&self) -> impl Iterator<Item = (Bounds, Child)> {
+        let corner = |which: usize, i: usize| {
+            Vec3A::from_array([0, 1, 2].map(|axis| self.wall(axis, self.walls[axis][which][i])))
+        };
+        let there = |i: &usize| self.children[*i] != Child::NOTHING;
+        (0..WIDTH)
+            .filter(there)
+            .map(move |i| (Bounds { low: corner(0, i), high: corner(1, i) }, self.children[i]))
     }
 
     /// Where the wall is that is so many steps from the corner.

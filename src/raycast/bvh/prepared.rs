@@ -39,9 +39,9 @@ impl NodeRay {
         Self { inverse, offsets: [offset - slack, offset + slack], negative }
     }
 
-    /// 1 if the upper wall of an axis is met first, or else 0.
+    /// By axis: 1 if the upper wall is met first, or else 0.
     #[inline(always)]
-    pub fn first(&self, axis: usize) -> usize {
-        (self.negative >> axis & 1) as usize
+    pub fn first(&self) -> [usize; 3] {
+        [0, 1, 2].map(|axis| (self.negative >> axis & 1) as usize)
     }
 }
