@@ -124,7 +124,7 @@ impl<C: RayCaster> Renderer<C> {
         let lamps = Lamps::new(&self.world, center, radius);
         let sent = lamps.emitted() + lamps.entering();
         let [escaped, arrived, hidden] = tally(samples, 1.0, |i| {
-            let (escaped, arrived) = self.from_lamp(&lamps, &surfaces, i);
+            let (escaped, arrived) = self.sent_by_lamp(&lamps, &surfaces, i);
             [escaped, arrived, sent - escaped - arrived]
         });
         Ok(PowerBalance {
@@ -138,7 +138,7 @@ impl<C: RayCaster> Renderer<C> {
     }
 
     /// The power of a ray that a light sends out and that leaves the scene, or that arrives at a surface; neither inside of a body.
-    fn from_lamp(&self, lamps: &Lamps, surfaces: &Surfaces, sample: u64) -> (Rgb, Rgb) {
+    fn sent_by_lamp(&self, lamps: &Lamps, surfaces: &Surfaces, sample: u64) -> (Rgb, Rgb) {
         let nothing = (Rgb::ZERO, Rgb::ZERO);
         let mut random = HashGenerator::new(self.options.seed ^ sample.wrapping_mul(3).wrapping_add(2));
         let Some(SentRay { origin, direction, power }) = lamps.send(&self.world, &mut random) else {
