@@ -1,8 +1,10 @@
 //! What the tests of the random walk share.
 
+use alabaster::plan::Kernel;
 use alabaster::radiometry::Rgb;
 use alabaster::raycast::RayCaster;
-use alabaster::scene::{Mesh, Method, Scene};
+use alabaster::raycast::bvh::BvhCaster;
+use alabaster::scene::{ColorMode, Environment, Mesh, Method, Scene};
 use alabaster::transport::{Counters, RenderOptions, Renderer};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -20,12 +22,47 @@ pub fn plain_walker(scene: Scene) -> Renderer<Caster> {
     Renderer::new(scene, options, caster).unwrap()
 }
 
+/// Makes one number of a sample: the mean of its channels, or by wavelength its luminance over that of white at the wavelengths it is of. In light
+/// that is white, and all that does not depend on the wavelength, its mean is that of the radiance; and what a sample varies for its choice
+/// of wavelengths alone is left out.
+pub struct White(Option<Renderer<BvhCaster>>);
+
+impl White {
+    /// For samples of `renderer`, whose seed is that of [`options`].
+    pub fn of<C: RayCaster>(renderer: &Renderer<C>) -> Self {
+        let nothing_but_light = || {
+            let mut scene = Scene { environment: Some(Environment::Constant(Rgb::ONE)), ..Scene::default() };
+            scene.film = renderer.scene().film;
+            scene.render.color_mode = ColorMode::Spectral;
+            Renderer::new(scene, options(), BvhCaster::new).unwrap()
+        };
+        Self((renderer.kernel() == Kernel::Spectral).then(nothing_but_light))
+    }
+
+    /// Of sample number `sample` of a pixel.
+    pub fn level_of_pixel(&self, x: u32, y: u32, sample: u64, radiance: Rgb) -> f64 {
+        self.level(radiance, |white| white.sample(x, y, sample, &mut Counters::default()))
+    }
+
+    /// Of sample number `sample` of a ray.
+    pub fn level_of_ray(&self, sample: u64, radiance: Rgb) -> f64 {
+        self.level(radiance, |white| white.radiance(Vec3::ZERO, Vec3::Z, sample, &mut Counters::default()))
+    }
+
+    fn level(&self, radiance: Rgb, white: impl FnOnce(&Renderer<BvhCaster>) -> Rgb) -> f64 {
+        match &self.0 {
+            None => radiance.mean().into(),
+            Some(renderer) => f64::from(radiance.luminance()) / f64::from(white(renderer).luminance()),
+        }
+    }
+}
+
 /// What many rays found.
 #[derive(Default)]
 pub struct Found {
     /// By channel.
     pub radiance: [Statistics; 3],
-    /// All channels of a sample together, which are not independent.
+    /// All channels of a sample together, which are not independent: as [`White`] has it.
     pub mean: Statistics,
     /// Collisions of each path.
     pub collisions: Statistics,
@@ -33,9 +70,14 @@ pub struct Found {
 }
 
 impl Found {
-    fn add(&mut self, radiance: Rgb) {
+    /// What is told apart: the channels, or by wavelength nothing.
+    pub fn parts(&self, mode: ColorMode) -> &[Statistics] {
+        if mode == ColorMode::Spectral { std::slice::from_ref(&self.mean) } else { &self.radiance }
+    }
+
+    fn add(&mut self, radiance: Rgb, level: f64) {
         assert!(radiance.is_finite());
-        self.mean.add(f64::from(radiance.mean()));
+        self.mean.add(level);
         self.radiance.iter_mut().zip(radiance.0).for_each(|(all, x)| all.add(f64::from(x)));
     }
 
@@ -55,6 +97,7 @@ pub fn trace<C: RayCaster>(
     ray: impl Fn(u64) -> (Vec3, Vec3) + Sync,
 ) -> Found {
     const PART: u64 = 1024;
+    let white = White::of(renderer);
     let parts: Vec<Found> = (0..count.div_ceil(PART))
         .into_par_iter()
         .map(|part| {
@@ -64,7 +107,7 @@ pub fn trace<C: RayCaster>(
                 let before = found.counters.collisions;
                 let radiance = renderer.radiance(origin, direction, sample, &mut found.counters);
                 found.collisions.add((found.counters.collisions - before) as f64);
-                found.add(radiance);
+                found.add(radiance, white.level_of_ray(sample, radiance));
             }
             found
         })
@@ -77,6 +120,7 @@ pub fn trace<C: RayCaster>(
 /// Every pixel of the scene's picture, `samples` times. The result does not depend on the number of threads.
 pub fn picture<C: RayCaster>(renderer: &Renderer<C>, samples: u64) -> Found {
     let (width, height) = (renderer.scene().film.width, renderer.scene().film.height);
+    let white = White::of(renderer);
     let row = |y: u32| {
         let mut found = Found::default();
         for x in 0..width {
@@ -84,7 +128,7 @@ pub fn picture<C: RayCaster>(renderer: &Renderer<C>, samples: u64) -> Found {
                 let before = found.counters.collisions;
                 let radiance = renderer.sample(x, y, sample, &mut found.counters);
                 found.collisions.add((found.counters.collisions - before) as f64);
-                found.add(radiance);
+                found.add(radiance, white.level_of_pixel(x, y, sample, radiance));
             }
         }
         found

@@ -5,10 +5,10 @@ use alabaster::optics::{fresnel_dielectric, fresnel_moment, refract};
 use alabaster::scene::Method;
 use glam::Vec3;
 
-use crate::common::backends::{Pictures, by, on_backends};
+use crate::common::backends::{Pictures, by, renderings};
 use crate::common::bodies::bubble;
 use crate::common::scenes::{furnace, white};
-use crate::record::{assert_fails, record};
+use crate::record::{Figures, assert_fails, record};
 use crate::table::{number, rows};
 use alabaster::radiometry::Rgb;
 
@@ -198,9 +198,9 @@ fn index_below_one() {
     let mut figures = String::new();
     for method in [Method::Bssrdf, Method::Walk] {
         let scene = furnace(bubble().mesh, white(1.0 / 1.5, 0.0, Rgb::splat(10.0)));
-        for (backend, found) in on_backends(&scene, by(method), &Pictures(16)) {
+        for (setup, found) in renderings(&scene, by(method), &Pictures(16)) {
             let (mean, sigma) = (found.mean.mean(), found.mean.standard_error());
-            assert!((mean - 1.0).abs() < 3.0 * sigma + 1e-5, "{method:?} {backend}: {mean} ± {sigma}");
+            assert!((mean - 1.0).abs() < 3.0 * sigma + 1e-5, "{method:?} {setup}: {mean} ± {sigma}");
             figures = format!("furnace {mean:.5} ± {sigma:.5}");
         }
     }
@@ -239,20 +239,20 @@ fn extreme_indices() {
         }
     }
     // Next to no light gets out again: paths are as long as they get.
-    let mut figure = String::new();
+    let mut figure = Figures::default();
     for method in [Method::Bssrdf, Method::Walk] {
         for eta in [6.0, 1.0 / 6.0] {
             let scene = furnace(bubble().mesh, white(eta, 0.0, Rgb::new(1.0, 0.8, 1.6)));
-            for (backend, found) in on_backends(&scene, by(method), &Pictures(4)) {
+            for (setup, found) in renderings(&scene, by(method), &Pictures(4)) {
                 let (mean, sigma) = (found.mean.mean(), found.mean.standard_error());
                 assert!(
                     (mean - 1.0).abs() < 3.0 * sigma + 1e-4,
-                    "{method:?} {backend} η {eta}: {mean} ± {sigma}"
+                    "{method:?} {setup} η {eta}: {mean} ± {sigma}"
                 );
                 assert_eq!((found.counters.capped_paths, found.counters.rejected), (0, 0));
-                figure = format!("furnace at η = 1/6: {mean:.5} ± {sigma:.5}");
+                figure.keep(setup, format!("furnace at η = 1/6: {mean:.5} ± {sigma:.5}"));
             }
         }
     }
-    record("extreme_indices", figure);
+    record("extreme_indices", figure.written());
 }

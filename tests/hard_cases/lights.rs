@@ -6,10 +6,10 @@ use alabaster::radiometry::Rgb;
 use alabaster::scene::{Camera, ColorInput, Environment, Light, Material, Method, Scene, Surface, shape};
 use glam::{Mat3, Vec3};
 
-use crate::common::backends::{Pictures, by, on_backends};
+use crate::common::backends::{Pictures, by, renderings};
 use crate::common::scenes::{furnace, white};
 use crate::media::translucent;
-use crate::record::{assert_fails, record};
+use crate::record::{Figures, assert_fails, record};
 
 /// `scene` under a sky that is bright on one side and dim on the other.
 pub fn under_uneven_sky(scene: Scene) -> Scene {
@@ -50,8 +50,8 @@ fn lights_without_area() {
         for (scene, method) in
             [(floor(vec![light]), Method::Bssrdf), (body.clone(), Method::Bssrdf), (body, Method::Walk)]
         {
-            for (backend, found) in on_backends(&scene, by(method), &Pictures(4)) {
-                assert_eq!((found.mean.max, found.counters.rejected), (0.0, 0), "{method:?} {backend}");
+            for (setup, found) in renderings(&scene, by(method), &Pictures(4)) {
+                assert_eq!((found.mean.max, found.counters.rejected), (0.0, 0), "{method:?} {setup}");
             }
         }
     }
@@ -68,7 +68,7 @@ fn light_in_the_plane_it_lights() {
         half_v: Vec3::X,
         radiance: Rgb::splat(5.0).into(),
     };
-    let mut figure = String::new();
+    let mut figure = Figures::default();
     // Beside what is seen, in the plane; and standing on it.
     let wall = Light::Quad {
         center: Vec3::new(-2.0, 1.0, 0.0),
@@ -78,22 +78,25 @@ fn light_in_the_plane_it_lights() {
     };
     for (name, light, lit) in [("in the plane", quad(Vec3::X * -3.0), false), ("standing on it", wall, true)]
     {
-        for (backend, found) in on_backends(&floor(vec![light]), by(Method::Bssrdf), &Pictures(16)) {
+        for (setup, found) in renderings(&floor(vec![light]), by(Method::Bssrdf), &Pictures(16)) {
             assert_eq!(found.counters.rejected, 0);
-            assert_eq!(found.mean.max > 0.0, lit, "{name} {backend}: {}", found.mean.max);
-            figure = format!(
-                "brightest sample: in the plane 0, from a wall that stands on it {:.2}",
-                found.mean.max
+            assert_eq!(found.mean.max > 0.0, lit, "{name} {setup}: {}", found.mean.max);
+            figure.keep(
+                setup,
+                format!(
+                    "brightest sample: in the plane 0, from a wall that stands on it {:.2}",
+                    found.mean.max
+                ),
             );
         }
     }
-    record("light_in_the_plane_it_lights", figure);
+    record("light_in_the_plane_it_lights", figure.written());
 }
 
 /// A ball so far away that its cone has a half angle of 10⁻⁵.
 #[test]
 fn lights_far_away() {
-    let mut figure = String::new();
+    let mut figure = Figures::default();
     for exponent in [0, 3, 5, 7] {
         let distance = 10.0_f64.powi(exponent);
         let (radius, ratio) = (1e-4 * distance, 1e-4_f64);
@@ -103,46 +106,46 @@ fn lights_far_away() {
             radius: radius as f32,
             radiance: Rgb::splat(radiance as f32).into(),
         };
-        for (backend, found) in on_backends(&floor(vec![light]), by(Method::Bssrdf), &Pictures(64)) {
+        for (setup, found) in renderings(&floor(vec![light]), by(Method::Bssrdf), &Pictures(64)) {
             let irradiance = found.mean.mean() * PI;
             let sigma = found.mean.standard_error() * PI;
             // The view takes in a few thousandths of a metre, the nearest light is at 1 m; coordinates are rounded.
             let holds = |irradiance: f64| (irradiance - 1.0).abs() < 3.0 * sigma + 1e-3;
-            assert!(holds(irradiance), "{distance} {backend}: {irradiance} ± {sigma}");
+            assert!(holds(irradiance), "{distance} {setup}: {irradiance} ± {sigma}");
             let cosine = (1.0 - (ratio as f32).powi(2)).sqrt();
             assert_fails("2π(1 − cosθ)", f64::from(1.0 - cosine) * 2.0 * PI * radiance, holds);
-            figure = format!("irradiance at 10⁷ m: {irradiance:.5} ± {sigma:.5} of 1");
+            figure.keep(setup, format!("irradiance at 10⁷ m: {irradiance:.5} ± {sigma:.5} of 1"));
         }
     }
-    record("lights_far_away", figure);
+    record("lights_far_away", figure.written());
 }
 
 /// Inside a body that absorbs nothing radiance is n² times that around it, everywhere and in all directions.
 #[test]
 fn camera_in_the_medium() {
-    let mut figure = String::new();
+    let mut figure = Figures::default();
     for ior in [1.0_f32, 1.5, 1.0 / 1.33] {
         for position in [Vec3::ZERO, Vec3::new(0.3, -0.5, 0.2)] {
             let scene = furnace(shape::sphere(Vec3::ZERO, 1.0, 4), white(ior, 0.0, Rgb::new(3.0, 2.0, 5.0)));
             let camera = Camera { position, target: Vec3::X, ..scene.camera };
             let scene = Scene { camera, ..scene };
-            for (backend, found) in on_backends(&scene, by(Method::Walk), &Pictures(8)) {
+            for (setup, found) in renderings(&scene, by(Method::Walk), &Pictures(8)) {
                 let squared = f64::from(ior * ior);
                 let (mean, sigma) = (found.mean.mean() / squared, found.mean.standard_error() / squared);
-                assert!((mean - 1.0).abs() < 3.0 * sigma + 1e-4, "η {ior} {backend}: {mean} ± {sigma}");
+                assert!((mean - 1.0).abs() < 3.0 * sigma + 1e-4, "η {ior} {setup}: {mean} ± {sigma}");
                 assert_eq!((found.counters.capped_paths, found.counters.rejected), (0, 0));
-                figure = format!("L/n² = {mean:.5} ± {sigma:.5}");
+                figure.keep(setup, format!("L/n² = {mean:.5} ± {sigma:.5}"));
             }
         }
     }
-    record("camera_in_the_medium", figure);
+    record("camera_in_the_medium", figure.written());
 }
 
 /// On a vertex, an edge and a face of the mesh, looking along the surface and into it.
 #[test]
 fn camera_on_the_surface() {
     let mesh = shape::cuboid(Vec3::ZERO, Vec3::splat(2.0));
-    let mut figure = String::new();
+    let mut figure = Figures::default();
     for position in [Vec3::ONE, Vec3::new(1.0, 1.0, 0.2), Vec3::new(0.2, 0.3, 1.0)] {
         for target in [Vec3::ZERO, Vec3::new(-3.0, 0.3, 1.0), Vec3::splat(3.0)] {
             for (method, inside) in [(Method::Walk, 0.0), (Method::Bssrdf, 0.5)] {
@@ -151,19 +154,19 @@ fn camera_on_the_surface() {
                 let scene = furnace(mesh.clone(), material);
                 let camera = Camera { position, target, ..scene.camera };
                 let scene = Scene { camera, ..scene };
-                for (backend, found) in on_backends(&scene, by(method), &Pictures(4)) {
+                for (setup, found) in renderings(&scene, by(method), &Pictures(4)) {
                     let (mean, sigma) = (found.mean.mean(), found.mean.standard_error());
-                    let what = format!("{position} {target} {method:?} {backend}: {mean} ± {sigma}");
+                    let what = format!("{position} {target} {method:?} {setup}: {mean} ± {sigma}");
                     assert!(mean < 1.0 + 3.0 * sigma + 1e-4, "{what}");
                     assert_eq!((found.counters.capped_paths, found.counters.rejected), (0, 0), "{what}");
                     if method == Method::Bssrdf {
                         continue;
                     }
                     assert!(mean > 1.0 - 3.0 * sigma - 1e-4, "{what}");
-                    figure = format!("L = {mean:.5} ± {sigma:.5}");
+                    figure.keep(setup, format!("L = {mean:.5} ± {sigma:.5}"));
                 }
             }
         }
     }
-    record("camera_on_the_surface", figure);
+    record("camera_on_the_surface", figure.written());
 }

@@ -18,3 +18,4 @@ mod sampling;
 mod scale;
 mod table;
 mod walks;
+mod wavelengths;

@@ -8,15 +8,15 @@ use alabaster::medium::{Entry, Medium, PlaneParallel};
 use alabaster::optics::phase::HenyeyGreenstein;
 use alabaster::radiometry::Rgb;
 use alabaster::scene::{
-    ColorInput, Environment, Material, Mesh, Method, ScatteringInput, Scene, Surface, shape,
+    ColorInput, ColorMode, Environment, Material, Mesh, Method, ScatteringInput, Scene, Surface, shape,
 };
 use alabaster::transport::RenderOptions;
 use glam::{Mat3, Vec3, Vec4};
 use rayon::prelude::*;
 
-use crate::common::backends::{Pictures, Rays, by, on_backends};
-use crate::common::scenes::{furnace, white};
-use crate::record::{assert_fails, record};
+use crate::common::backends::{Pictures, Rays, by, renderings, renderings_in};
+use crate::common::scenes::{Statistics, furnace, white};
+use crate::record::{Figures, assert_fails, record};
 use crate::table::{number, rows};
 
 /// A material of coefficients per channel.
@@ -82,10 +82,11 @@ fn albedo_towards_one() {
             shape::sphere(Vec3::ZERO, 1.0, 5),
             translucent(1.5, Rgb::splat(sigma_a), Rgb::new(10.0, 8.0, 16.0), 0.0),
         );
-        for (backend, found) in on_backends(&scene, by(method), &Pictures(12)) {
+        for (setup, found) in renderings(&scene, by(method), &Pictures(12)) {
             let (mean, sigma) = (found.mean.mean(), found.mean.standard_error());
-            assert!((mean - 1.0).abs() < 3.0 * sigma + absorbed, "{method:?} {backend}: {mean} ± {sigma}");
-            assert!((mean - 1.0).abs() < 1e-3, "{method:?} {backend}: {mean}");
+            assert!((mean - 1.0).abs() < 3.0 * sigma + absorbed, "{method:?} {setup}: {mean} ± {sigma}");
+            // The mean of the channels hardly varies at all; the luminance of wavelengths does.
+            assert!((mean - 1.0).abs() < f64::max(1e-3, 3.0 * sigma), "{method:?} {setup}: {mean}");
             furnace_error = furnace_error.max((mean - 1.0).abs());
         }
     }
@@ -107,30 +108,37 @@ fn albedo_towards_zero() {
 
     let table = rows("halfspace_H_albedo.csv");
     let reflectance = table.iter().find(|row| row[0] == "0.1").map(|row| number(&row[1])).unwrap();
-    let mut figure = String::new();
-    for albedos in [[0.0, 1e-8, 0.1], [1e-30, 0.01, 0.1]] {
+    let mut figure = Figures::default();
+    for (mode, albedos) in [
+        (ColorMode::Rgb, [0.0, 1e-8, 0.1]),
+        (ColorMode::Rgb, [1e-30, 0.01, 0.1]),
+        (ColorMode::Spectral, [0.0; 3]),
+        (ColorMode::Spectral, [1e-8; 3]),
+        (ColorMode::Spectral, [0.1; 3]),
+    ] {
         let albedo = Rgb::from_fn(|c| albedos[c]);
         let material = translucent(1.0, (Rgb::ONE - albedo) * 25.0, albedo * 25.0, 0.0);
         for method in [Method::Walk, Method::Bssrdf] {
-            for (backend, found) in on_backends(&slab(material.clone()), by(method), &Rays(200_000, down)) {
-                for (channel, albedo) in found.radiance.iter().zip(albedos) {
+            let work = Rays(200_000, down);
+            for (setup, found) in renderings_in(mode, &slab(material.clone()), by(method), &work) {
+                for (channel, albedo) in found.parts(mode).iter().zip(albedos) {
                     let (mean, sigma) = (channel.mean(), channel.standard_error());
                     assert!(
                         mean >= 0.0 && mean <= f64::from(albedo) + 3.0 * sigma,
-                        "{method:?} {backend}: {mean}"
+                        "{method:?} {setup}: {mean}"
                     );
                 }
-                let [_, _, channel] = &found.radiance;
-                let error = channel.mean() - reflectance;
-                if method == Method::Walk {
-                    assert!(error.abs() < 3.0 * channel.standard_error(), "{backend}: {error}");
-                    assert!(error.abs() < 1e-3, "{backend}: {error}");
-                    figure = format!("R(0.1) − exact: {error:+.0e} ± {:.0e}", channel.standard_error());
+                let brightest = found.parts(mode).iter().zip(albedos).last();
+                if let Some((channel, 0.1)) = brightest.filter(|_| method == Method::Walk) {
+                    let (error, sigma) = (channel.mean() - reflectance, channel.standard_error());
+                    assert!(error.abs() < 3.0 * sigma, "{setup}: {error}");
+                    assert!(error.abs() < 1e-3, "{setup}: {error}");
+                    figure.keep(setup, format!("R(0.1) − exact: {error:+.0e} ± {sigma:.0e}"));
                 }
             }
         }
     }
-    record("albedo_towards_zero", figure);
+    record("albedo_towards_zero", figure.written());
 }
 
 #[test]
@@ -252,27 +260,27 @@ fn transmittance_of_twenty_free_paths() {
 /// A sphere of ketchup, 5 mm in radius, in even light. No light is made, in no path: each channel carries at most what all three did.
 #[test]
 fn unequal_channels() {
-    let mut figure = String::new();
-    for (name, allowed) in [("Ketchup", 3.0), ("Skin1", 3.0)] {
+    let mut figure = Figures::default();
+    for name in ["Ketchup", "Skin1"] {
         let measured = measured_material(name).unwrap();
         let material = translucent(measured.ior, measured.sigma_a, measured.sigma_s_reduced, 0.0);
         let scene = furnace(shape::sphere(Vec3::ZERO, 5e-3, 4), material);
         let scene = Scene { camera: zoomed(&scene, 5e-3), ..scene };
         // Guided walks may weigh ten times as much, which is a bound of its own.
         let options = RenderOptions { guiding: false, ..by(Method::Walk) };
-        for (backend, found) in on_backends(&scene, options, &Pictures(64)) {
-            let brightest = found.radiance.iter().map(|channel| channel.max).fold(0.0, f64::max);
-            // Some hundred roundings.
-            let holds = |weight: f64| weight <= allowed * (1.0 + 1e-5);
-            assert!(holds(brightest) && found.mean.max <= 1.0 + 1e-5, "{name} {backend}: {brightest}");
+        for (setup, found) in renderings(&scene, options, &Pictures(64)) {
+            let brightest = found.parts(setup.mode).iter().map(|part| part.max).fold(0.0, f64::max);
+            // As many as share a path; some hundred roundings.
+            let (channels, together) = if setup.mode == ColorMode::Rgb { (3.0, 1.0) } else { (4.0, 4.0) };
+            let holds = |weight: f64| weight <= channels * (1.0 + 1e-5);
+            assert!(holds(brightest) && found.mean.max <= together + 1e-5, "{name} {setup}: {brightest}");
             assert_eq!((found.counters.rejected, found.counters.capped_paths), (0, 0));
-            figure = format!("largest weight {brightest:.3}");
             let naive = largest_weight_by_one_channel(measured.sigma_a + measured.sigma_s_reduced);
             assert_fails("flights by one channel", naive, holds);
-            figure += &format!("; flights by one channel {naive:.1e}");
+            figure.keep(setup, format!("largest weight {brightest:.3}, flights by one channel {naive:.1e}"));
         }
     }
-    record("unequal_channels", figure);
+    record("unequal_channels", figure.written());
 }
 
 fn zoomed(scene: &Scene, factor: f32) -> alabaster::scene::Camera {
@@ -281,7 +289,7 @@ fn zoomed(scene: &Scene, factor: f32) -> alabaster::scene::Camera {
 
 /// Flights drawn by the channel of the shortest free path alone, and weighted for the one of the longest: σ_i e^(−σ_i t) over the density,
 /// without bound.
-fn largest_weight_by_one_channel(sigma_t: Rgb) -> f64 {
+pub fn largest_weight_by_one_channel(sigma_t: Rgb) -> f64 {
     let mut random = HashGenerator::new(3);
     let (least, most) = (f64::from(sigma_t.min_component()), f64::from(sigma_t.max_component()));
     let weight = |t: f64| least / most * ((most - least) * t).exp();
@@ -296,20 +304,20 @@ fn extreme_spectra() {
     for sigma_s in [[0.0, 1e-3, 1e3], [1e-4, 1.0, 1e3], [0.0, 0.0, 5.0]] {
         let scene = furnace(mesh(), translucent(1.4, Rgb::ZERO, Rgb::from_fn(|c| sigma_s[c]), 0.0));
         for method in [Method::Walk, Method::Bssrdf] {
-            for (backend, found) in on_backends(&scene, by(method), &Pictures(16)) {
-                for channel in &found.radiance {
+            for (setup, found) in renderings(&scene, by(method), &Pictures(16)) {
+                for channel in found.parts(setup.mode) {
                     let (mean, sigma) = (channel.mean(), channel.standard_error());
                     // Channels of several pictures: 4σ.
                     assert!(
                         (mean - 1.0).abs() < 4.0 * sigma + 1e-4,
-                        "{sigma_s:?} {method:?} {backend}: {mean} ± {sigma}"
+                        "{sigma_s:?} {method:?} {setup}: {mean} ± {sigma}"
                     );
                 }
                 assert_eq!(found.counters.rejected, 0);
                 let (mean, sigma) = (found.mean.mean(), found.mean.standard_error());
                 assert!(
                     (mean - 1.0).abs() < 3.0 * sigma + 1e-4,
-                    "{sigma_s:?} {method:?} {backend}: {mean} ± {sigma}"
+                    "{sigma_s:?} {method:?} {setup}: {mean} ± {sigma}"
                 );
                 farthest = farthest.max((mean - 1.0).abs());
             }
@@ -318,13 +326,9 @@ fn extreme_spectra() {
     // And with absorption that leaves nothing of one channel.
     let scene = furnace(mesh(), translucent(1.4, Rgb::new(0.0, 1e9, 1e-9), Rgb::new(1e3, 1.0, 1e-9), 0.9));
     for method in [Method::Walk, Method::Bssrdf] {
-        for (_, found) in on_backends(&scene, by(method), &Pictures(4)) {
-            assert!(
-                found
-                    .radiance
-                    .iter()
-                    .all(|channel| channel.mean() < 1.0 + 4.0 * channel.standard_error() + 1e-4)
-            );
+        for (setup, found) in renderings(&scene, by(method), &Pictures(4)) {
+            let makes_none = |part: &Statistics| part.mean() < 1.0 + 4.0 * part.standard_error() + 1e-4;
+            assert!(found.parts(setup.mode).iter().all(makes_none), "{method:?} {setup}");
         }
     }
     record("extreme_spectra", format!("furnace: {farthest:.0e}"));
@@ -339,25 +343,33 @@ fn thin_slabs() {
     let above = Environment::Map { width, height, radiance, rotation: Mat3::IDENTITY };
     let table = rows("slab_planar_RT.csv");
     let mut figures = Vec::new();
-    for (tau, omegas) in [(2.0, [0.9, 0.99, 0.9999]), (1.0, [0.99, 0.99, 0.9999])] {
+    for (mode, tau, omegas) in [
+        (ColorMode::Rgb, 2.0, [0.99, 0.9999, 0.9]),
+        (ColorMode::Rgb, 1.0, [0.99, 0.9999, 0.99]),
+        (ColorMode::Spectral, 2.0, [0.99; 3]),
+        (ColorMode::Spectral, 2.0, [0.9999; 3]),
+        (ColorMode::Spectral, 1.0, [0.9999; 3]),
+    ] {
         let albedo = Rgb::from_fn(|c| omegas[c] as f32);
         let material = translucent(1.0, (Rgb::ONE - albedo) * tau as f32, albedo * tau as f32, 0.0);
         let scene = Scene { environment: Some(above.clone()), ..slab(material) };
-        for (backend, found) in on_backends(&scene, by(Method::Walk), &Rays(200_000, down)) {
-            for (channel, omega) in found.radiance.iter().zip(omegas).skip(1) {
+        // By wavelength a quarter of them.
+        let paths = if mode == ColorMode::Spectral { 400_000 } else { 200_000 };
+        for (setup, found) in renderings_in(mode, &scene, by(Method::Walk), &Rays(paths, down)) {
+            for (channel, omega) in found.parts(mode).iter().zip(omegas).take(2) {
                 let is_asked =
                     |row: &&Vec<String>| [0, 1, 2, 3].map(|i| number(&row[i])) == [tau, omega, 0.0, 1.0];
                 let exact = table.iter().find(is_asked).map(|row| number(&row[4])).unwrap();
                 let (mean, sigma) = (channel.mean(), channel.standard_error());
                 let holds = |r: f64| (r - exact).abs() < 3.0 * sigma;
-                assert!(holds(mean), "τ {tau} ω {omega} {backend}: {mean} ± {sigma}, exactly {exact}");
+                assert!(holds(mean), "τ {tau} ω {omega} {setup}: {mean} ± {sigma}, exactly {exact}");
                 assert!(sigma < 2e-3);
                 let half_space =
                     PlaneParallel::new(1.0, 0.0).half_space(1.0 - omega).reflectance(Entry::Normal);
                 assert_fails("the albedo of a half-space", half_space, holds);
-                if backend == "bvh" {
+                if let Some(mode) = setup.recorded() {
                     figures.push(format!(
-                        "τ {tau} ω {omega}: {:+.1} ± {:.1} ‰, half-space ×{:.2}",
+                        "{mode} τ {tau} ω {omega}: {:+.1} ± {:.1} ‰, half-space ×{:.2}",
                         1e3 * (mean / exact - 1.0),
                         1e3 * sigma / exact,
                         half_space / exact
@@ -379,7 +391,7 @@ fn black_and_white_texels() {
     let sphere = shape::sphere(Vec3::ZERO, 1.0, 4);
     let mesh = Mesh { colors: colors(&sphere), ..sphere };
     let albedo = ColorInput { factor: Rgb::ONE, texture: None, vertex_color: true };
-    let mut figure = String::new();
+    let mut figure = Figures::default();
     for ior in [1.0, 1.4] {
         let medium = ScatteringInput::Albedo { albedo, mean_free_path: Rgb::new(0.1, 0.2, 0.05), g: 0.3 };
         let material = Material {
@@ -388,15 +400,24 @@ fn black_and_white_texels() {
         };
         let scene = furnace(mesh.clone(), material);
         for method in [Method::Diffuse, Method::Bssrdf, Method::Walk] {
-            for (backend, found) in on_backends(&scene, by(method), &Pictures(16)) {
-                let [red, green, _] = &found.radiance;
-                let (mean, sigma) = (green.mean(), green.standard_error());
-                assert!((mean - 1.0).abs() < 4.0 * sigma + 1e-4, "{method:?} {backend}: {mean} ± {sigma}");
-                assert!(red.mean() < 1.0 && red.mean() > 0.0);
+            for (setup, found) in renderings(&scene, by(method), &Pictures(16)) {
                 assert_eq!(found.counters.rejected, 0);
-                figure = format!("white channel {mean:.5} ± {sigma:.5}, mixed one {:.3}", red.mean());
+                let mixed = match setup.mode {
+                    ColorMode::Spectral => &found.mean,
+                    _ => &found.radiance[0],
+                };
+                assert!(mixed.mean() < 1.0 && mixed.mean() > 0.0, "{method:?} {setup}: {}", mixed.mean());
+                figure.keep(setup, format!("mixed {:.3}", mixed.mean()));
+                if setup.mode == ColorMode::Rgb {
+                    let (mean, sigma) = (found.radiance[1].mean(), found.radiance[1].standard_error());
+                    assert!((mean - 1.0).abs() < 4.0 * sigma + 1e-4, "{method:?} {setup}: {mean} ± {sigma}");
+                    figure.keep(
+                        setup,
+                        format!("white channel {mean:.5} ± {sigma:.5}, mixed one {:.3}", mixed.mean()),
+                    );
+                }
             }
         }
     }
-    record("black_and_white_texels", figure);
+    record("black_and_white_texels", figure.written());
 }

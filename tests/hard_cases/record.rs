@@ -10,12 +10,32 @@ use std::sync::{Mutex, PoisonError};
 use std::{env, fs};
 
 use crate::cases::{CASES, Case};
+use crate::common::backends::Setup;
 
 /// Set to have the document written.
 const WRITE: &str = "ALABASTER_WRITE_STABILITY";
 
 /// One writer at a time.
 static DOCUMENT: Mutex<()> = Mutex::new(());
+
+/// What was measured last in each mode.
+#[derive(Default)]
+pub struct Figures(BTreeMap<&'static str, String>);
+
+impl Figures {
+    /// Keeps a figure of one rendering, if it is of the backend whose figures are kept.
+    pub fn keep(&mut self, setup: Setup, figure: String) {
+        if let Some(mode) = setup.recorded() {
+            self.0.insert(mode, figure);
+        }
+    }
+
+    /// Those of all modes.
+    pub fn written(&self) -> String {
+        let figures: Vec<_> = self.0.iter().map(|(mode, figure)| format!("{mode}: {figure}")).collect();
+        figures.join("; ")
+    }
+}
 
 /// Keeps what was `measured` for the case `name`.
 #[track_caller]
@@ -93,6 +113,7 @@ fn title(group: &str) -> &str {
         "scale" => "Scale and place",
         "walks" => "Walks",
         "lights" => "Lights and cameras",
+        "wavelengths" => "Wavelengths",
         "all" => "All scenes",
         _ => group,
     }
@@ -102,7 +123,8 @@ const INTRODUCTION: &str = "# Hard cases
 
 Where renderers of scattering bodies break: pixels that are not numbers, hangs, energy lost or made, bright dots. Each row is a test of the same name, \
 `cargo test --release --test hard_cases NAME`, that fails if its criterion does not hold. Where the column *what fails instead* names a formula, that formula \
-stands in the test as a counter-example and fails the same criterion there. Pictures are made with both ray casting backends. σ is the standard error of the \
+stands in the test as a counter-example and fails the same criterion there. Pictures are made with both ray casting backends, by colour (rgb) and by wavelength (spectral), \
+where they are judged by their luminance over that of white at the same wavelengths. σ is the standard error of the \
 estimate itself; seeds are fixed.
 
 This page is written by the suite: `ALABASTER_WRITE_STABILITY=1 cargo test --release --test hard_cases -- --include-ignored`.

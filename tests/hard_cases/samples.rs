@@ -8,6 +8,7 @@ use alabaster::transport::{Counters, RenderOptions, Renderer};
 use rayon::prelude::*;
 
 use crate::common::assets::files;
+use crate::common::backends::MODES;
 use crate::common::bodies::bodies;
 use crate::common::scenes::{body, caster, furnace};
 use crate::lights::under_uneven_sky;
@@ -62,15 +63,16 @@ fn every_sample_is_a_number() {
     let asked = std::env::var("ALABASTER_SAMPLES").ok().map(|text| text.parse::<f64>().unwrap());
     let methods = [Method::Bssrdf, Method::Walk, Method::Diffuse];
     let scenes = scenes();
-    let each = (asked.unwrap_or(SAMPLES) / (scenes.len() * methods.len()) as f64).ceil() as u64;
+    let each = (asked.unwrap_or(SAMPLES) / (scenes.len() * methods.len() * MODES.len()) as f64).ceil() as u64;
     let (mut taken, mut nonfinite) = (0, 0);
-    for (name, scene) in &scenes {
-        for method in methods {
+    for (name, mut scene) in scenes {
+        for (mode, method) in MODES.into_iter().flat_map(|mode| methods.map(|method| (mode, method))) {
+            scene.render.color_mode = mode;
             let begin = Instant::now();
-            let (found, counters) = sample(scene, method, each);
+            let (found, counters) = sample(&scene, method, each);
             let rate = each as f64 / begin.elapsed().as_secs_f64();
             println!(
-                "{name} by {}: {found} of {each} no numbers, {} rejected, {} capped, {rate:.0} samples/s",
+                "{name} by {}, {mode:?}: {found} of {each} no numbers, {} rejected, {} capped, {rate:.0} samples/s",
                 method.name(),
                 counters.rejected,
                 counters.capped_paths

@@ -11,13 +11,13 @@ use alabaster::scene::{Method, shape};
 use alabaster::transport::RenderOptions;
 use glam::Vec3;
 
-use crate::common::backends::{Pictures, by, on_backends};
+use crate::common::backends::{Pictures, by, renderings};
 use crate::common::bodies::{bodies, bubble};
 use crate::common::bsdfs::{direction, rough_bsdfs};
 use crate::common::probes::{caster, for_each_line};
 use crate::common::scenes::{Statistics, furnace, white};
 use crate::media::translucent;
-use crate::record::{assert_fails, record};
+use crate::record::{Figures, assert_fails, record};
 use crate::table::{number, rows};
 
 #[test]
@@ -199,7 +199,7 @@ fn vanishing_densities() {
             }
             let scene =
                 furnace(body.mesh.clone(), white(1.33, roughness, Rgb::new(1.0, 0.8, 1.6) * body.sigma_t));
-            for (_, found) in on_backends(&scene, by(method), &Pictures(16)) {
+            for (_, found) in renderings(&scene, by(method), &Pictures(16)) {
                 samples += found.mean.count();
                 rejected += found.counters.rejected;
             }
@@ -215,30 +215,30 @@ fn vanishing_densities() {
 /// Roulette plays with what a path is expected to bring: in a body that absorbs nothing it never plays, however long the walk.
 #[test]
 fn roulette_in_bright_media() {
-    let mut figure = String::new();
+    let mut figure = Figures::default();
     for absorbed in [0.0, 1e-3] {
         let sigma_t = Rgb::splat(20.0);
         let material = translucent(1.5, sigma_t * absorbed, sigma_t * (1.0 - absorbed), 0.0);
         let scene = furnace(shape::sphere(Vec3::ZERO, 1.0, 4), material);
         let options = RenderOptions { spheres: false, guiding: false, ..by(Method::Walk) };
-        for (backend, found) in on_backends(&scene, options, &Pictures(8)) {
+        for (setup, found) in renderings(&scene, options, &Pictures(8)) {
             // Rounding of some thousand factors.
             let holds = |brightest: f64| brightest <= 1.0 + 1e-4;
-            assert!(holds(found.mean.max), "{backend}: {}", found.mean.max);
+            assert!(holds(found.mean.max), "{setup}: {}", found.mean.max);
             assert_eq!(found.counters.capped_paths, 0);
             // Survival capped at 0.95 at a throughput of 1, from the fifth collision.
             let naive = 0.95_f64.powf(4.0 - found.collisions.max);
             assert_fails("survival capped at 0.95", naive, holds);
             if absorbed == 0.0 {
                 let (mean, sigma) = (found.mean.mean(), found.mean.standard_error());
-                assert!((mean - 1.0).abs() < 3.0 * sigma + 1e-5, "{backend}: {mean} ± {sigma}");
-                figure = format!(
+                assert!((mean - 1.0).abs() < 3.0 * sigma + 1e-5, "{setup}: {mean} ± {sigma}");
+                figure.keep(setup, format!(
                     "brightest sample 1 {:+.0e}, up to {:.0} collisions; with the cap .95^−n = {naive:.0e}",
                     found.mean.max - 1.0,
                     found.collisions.max
-                );
+                ));
             }
         }
     }
-    record("roulette_in_bright_media", figure);
+    record("roulette_in_bright_media", figure.written());
 }

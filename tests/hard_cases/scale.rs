@@ -4,13 +4,13 @@ use alabaster::film::Film;
 use alabaster::math::robust::{interpolation_error, offset_from_surface};
 use alabaster::math::sampler::HashGenerator;
 use alabaster::radiometry::Rgb;
-use alabaster::scene::{Camera, Instance, Light, Mesh, Method, Scene, shape};
+use alabaster::scene::{Camera, ColorMode, Instance, Light, Mesh, Method, Scene, shape};
 use glam::{Affine3A, Quat, Vec3};
 
-use crate::common::backends::{Films, Pictures, Rays, by, on_backends, relative_difference};
+use crate::common::backends::{Films, Pictures, Rays, by, relative_difference, renderings, renderings_in};
 use crate::common::scenes::furnace;
 use crate::media::translucent;
-use crate::record::{assert_fails, record};
+use crate::record::{Figures, assert_fails, record};
 use crate::table::{number, rows};
 
 /// A ball on a slab, of different media, under a lamp.
@@ -56,11 +56,11 @@ fn differences(scene: &Scene, other: &Scene) -> Vec<(String, f64)> {
     for method in [Method::Bssrdf, Method::Walk] {
         let work = Films(SAMPLES);
         let pairs =
-            on_backends(scene, by(method), &work).into_iter().zip(on_backends(other, by(method), &work));
-        for ((backend, (a, _)), (_, (b, counters))) in pairs {
+            renderings(scene, by(method), &work).into_iter().zip(renderings(other, by(method), &work));
+        for ((setup, (a, _)), (_, (b, counters))) in pairs {
             assert_eq!((b.tally().nonfinite, counters.capped_paths), (0, 0));
             let (difference, noise) = relative_difference(&a, &b);
-            all.push((format!("{method:?} {backend}"), difference / noise));
+            all.push((format!("{method:?} {setup}"), difference / noise));
         }
     }
     all
@@ -139,17 +139,17 @@ fn squeezed_and_mirrored_instances() {
         let (instanced, meshed) = (lit(ball.clone(), transform), lit(baked, Affine3A::IDENTITY));
         let work = Pictures(64);
         for method in [Method::Bssrdf, Method::Walk] {
-            let pairs = on_backends(&instanced, by(method), &work).into_iter().zip(on_backends(
+            let pairs = renderings(&instanced, by(method), &work).into_iter().zip(renderings(
                 &meshed,
                 by(method),
                 &work,
             ));
-            for ((backend, a), (_, b)) in pairs {
+            for ((setup, a), (_, b)) in pairs {
                 let sigma = a.mean.standard_error().hypot(b.mean.standard_error());
                 let pull = (a.mean.mean() - b.mean.mean()) / sigma;
-                assert!(pull.abs() < 3.0, "{name} {method:?} {backend}: {pull} σ");
-                if backend == "bvh" {
-                    figures.push(format!("{name} by {}: {pull:+.1} σ", method.name()));
+                assert!(pull.abs() < 3.0, "{name} {method:?} {setup}: {pull} σ");
+                if let Some(mode) = setup.recorded() {
+                    figures.push(format!("{name}, {mode} by {}: {pull:+.1} σ", method.name()));
                 }
             }
         }
@@ -169,7 +169,12 @@ fn ray_offset_against_the_free_path() {
     const PATHS: u64 = 150_000;
     let table = rows("halfspace_planar_albedo.csv");
     let mut figures = Vec::new();
-    for (ior, omegas) in [(1.0_f64, [0.8, 0.99, 0.995]), (1.5, [0.1, 0.7, 0.99])] {
+    for (mode, ior, omegas) in [
+        (ColorMode::Rgb, 1.0_f64, [0.8, 0.99, 0.995]),
+        (ColorMode::Rgb, 1.5, [0.1, 0.7, 0.99]),
+        (ColorMode::Spectral, 1.0, [0.995; 3]),
+        (ColorMode::Spectral, 1.5, [0.99; 3]),
+    ] {
         for sigma_t in [5e3_f32, 5e5] {
             let albedo = Rgb::from_fn(|c| omegas[c] as f32);
             let material = translucent(ior as f32, (Rgb::ONE - albedo) * sigma_t, albedo * sigma_t, 0.0);
@@ -180,28 +185,27 @@ fn ray_offset_against_the_free_path() {
                 let [x, z] = [(); 2].map(|()| random.next_f32() - 0.5);
                 (Vec3::new(0.1 + 0.5 * x, 2.0, 0.3 + 0.5 * z), Vec3::NEG_Y)
             };
-            for (backend, found) in
-                on_backends(&furnace(mesh, material), by(Method::Walk), &Rays(PATHS, down))
+            for (setup, found) in
+                renderings_in(mode, &furnace(mesh, material), by(Method::Walk), &Rays(PATHS, down))
             {
-                for (channel, omega) in found.radiance.iter().zip(omegas) {
+                for (channel, omega) in found.parts(mode).iter().zip(omegas) {
                     let is_asked =
                         |row: &&Vec<String>| [0, 1, 2].map(|i| number(&row[i])) == [omega, 0.0, ior];
                     let exact = table.iter().find(is_asked).map(|row| number(&row[4])).unwrap();
                     let (mean, sigma) = (channel.mean(), channel.standard_error());
                     let error = mean / exact - 1.0;
-                    println!("σ_t {sigma_t} η {ior} ω {omega} {backend}: {error:+.5} ± {:.5}", sigma / exact);
+                    println!("σ_t {sigma_t} η {ior} ω {omega} {setup}: {error:+.5} ± {:.5}", sigma / exact);
                     assert!(
                         error.abs() < 3e-3 + 3.0 * sigma / exact,
-                        "σ_t {sigma_t} η {ior} ω {omega} {backend}: {error}"
+                        "σ_t {sigma_t} η {ior} ω {omega} {setup}: {error}"
                     );
                 }
-                if backend == "bvh" {
-                    let [_, _, channel] = &found.radiance;
+                if let (Some(mode_name), Some(channel)) = (setup.recorded(), found.parts(mode).last()) {
                     let is_asked =
                         |row: &&Vec<String>| [0, 1, 2].map(|i| number(&row[i])) == [omegas[2], 0.0, ior];
                     let exact = table.iter().find(is_asked).map(|row| number(&row[4])).unwrap();
                     figures.push(format!(
-                        "σ_t {sigma_t:.0e} η {ior}: {:+.2} ± {:.2} %",
+                        "{mode_name} σ_t {sigma_t:.0e} η {ior}: {:+.2} ± {:.2} %",
                         100.0 * (channel.mean() / exact - 1.0),
                         100.0 * channel.standard_error() / exact
                     ));
@@ -226,7 +230,7 @@ fn extreme_views() {
         vertical_fov: degrees.to_radians(),
         ..scene.camera
     };
-    let mut figure = String::new();
+    let mut figure = Figures::default();
     for camera in [
         camera(Vec3::new(2e5, 3e5, 4e5), 1e-4),
         camera(Vec3::new(0.0, 3.0, 0.001), 179.9),
@@ -234,17 +238,17 @@ fn extreme_views() {
     ] {
         let scene = Scene { camera, ..scene.clone() };
         for method in [Method::Bssrdf, Method::Walk] {
-            for (backend, (film, counters)) in on_backends(&scene, by(method), &Films(8)) {
+            for (setup, (film, counters)) in renderings(&scene, by(method), &Films(8)) {
                 assert_eq!(
                     (film.tally().nonfinite, counters.rejected, counters.capped_paths),
                     (0, 0, 0),
-                    "{backend}"
+                    "{setup}"
                 );
                 let mean = mean_of(&film);
-                assert!(mean > 0.1 && mean < 4.0, "{backend}: {mean}");
-                figure = format!("nothing rejected, mean {mean:.2}");
+                assert!(mean > 0.1 && mean < 4.0, "{setup}: {mean}");
+                figure.keep(setup, format!("nothing rejected, mean {mean:.2}"));
             }
         }
     }
-    record("extreme_views", figure);
+    record("extreme_views", figure.written());
 }

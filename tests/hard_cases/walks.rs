@@ -8,13 +8,13 @@ use alabaster::scene::{Method, ProfileChoice, Scene, shape};
 use alabaster::transport::RenderOptions;
 use glam::Vec3;
 
-use crate::common::backends::{Films, Rays, by, on_backends};
+use crate::common::backends::{Levels, Rays, by, renderings};
 use crate::common::bodies::{Body, bodies, bubble};
 use crate::common::probes::{caster, for_each_line};
 use crate::common::scenes::{Statistics, furnace, options, white};
 use crate::common::walks::faceted;
 use crate::media::translucent;
-use crate::record::{assert_fails, record};
+use crate::record::{Figures, assert_fails, record};
 use crate::table::{number, rows};
 
 /// Uniform light on the unit sphere.
@@ -48,14 +48,13 @@ fn total_reflection_without_absorption() {
         assert!((exact / expected - 1.0).abs() < 2e-3, "{exact} {expected}");
         let material = translucent(eta as f32, Rgb::ZERO, Rgb::splat(sigma_s as f32), g as f32);
         let options = RenderOptions { spheres: false, guiding: false, ..by(Method::Walk) };
-        for (backend, found) in
-            on_backends(&furnace(sphere.clone(), material), options, &Rays(PATHS, even_rays))
+        for (setup, found) in renderings(&furnace(sphere.clone(), material), options, &Rays(PATHS, even_rays))
         {
             let (mean, sigma) =
                 (found.collisions.mean() / sigma_s, found.collisions.standard_error() / sigma_s);
             assert!(
                 (mean - exact).abs() < 3.0 * sigma,
-                "η {eta} σ_s {sigma_s} {backend}: {mean} ± {sigma}, {exact}"
+                "η {eta} σ_s {sigma_s} {setup}: {mean} ± {sigma}, {exact}"
             );
             assert_eq!(found.counters.capped_paths, 0);
             let radiance = found.mean.mean();
@@ -66,8 +65,9 @@ fn total_reflection_without_absorption() {
                 let kept = 1.0 - (-256.0 / found.collisions.mean()).exp();
                 assert_fails("a limit of 256 collisions", kept, holds);
             }
-            if backend == "bvh" {
-                figures.push(format!("η {eta} σ_s {sigma_s} g {g}: {:+.1} σ", (mean - exact) / sigma));
+            if let Some(mode) = setup.recorded() {
+                let off = (mean - exact) / sigma;
+                figures.push(format!("{mode} η {eta} σ_s {sigma_s} g {g}: {off:+.1} σ"));
             }
         }
     }
@@ -85,7 +85,7 @@ fn largest_entry_weight(boundary: &Boundary) -> f64 {
 
 /// The table of white furnaces at a depth of 100: mean at most 1, no bright pixel.
 fn check_furnaces(bodies: &[Body], profiles: &[(&str, RenderOptions)], samples: u64) -> String {
-    let (mut largest, mut brightest, mut lowest) = (0.0_f64, 0.0_f32, 1.0_f64);
+    let (mut largest, mut brightest, mut lowest) = (0.0_f64, 0.0_f64, 1.0_f64);
     for body in bodies {
         for (name, options) in profiles {
             let material = white(1.33, 0.0, Rgb::splat(body.sigma_t));
@@ -93,22 +93,22 @@ fn check_furnaces(bodies: &[Body], profiles: &[(&str, RenderOptions)], samples: 
             (scene.film.width, scene.film.height) = (12, 12);
             // Directions of entry weigh differently there, which is noise that the others do not have.
             let samples = if *name == "directional-dipole" { 4 * samples } else { samples };
-            for (backend, (film, _)) in on_backends(&scene, *options, &Films(samples)) {
+            for (setup, (film, _)) in renderings(&scene, *options, &Levels(samples)) {
                 let mut means = Statistics::default();
                 let mut sigma = 0.0;
                 for pixel in film.rows() {
-                    means.add(f64::from(pixel.mean().mean()));
+                    means.add(pixel.mean()[0].into());
                     sigma += pixel.variance_of_mean(0);
-                    brightest = brightest.max(pixel.mean().max_component());
                 }
                 let (mean, sigma) = (means.mean(), sigma.sqrt() / film.pixel_count() as f64);
-                let what = format!("{} σ_t {} {name} {backend}", body.name, body.sigma_t);
+                let what = format!("{} σ_t {} {name} {setup}", body.name, body.sigma_t);
                 println!("{what}: {mean:.5} ± {sigma:.5}, brightest pixel {:.4}", means.max);
                 assert!(mean <= 1.0 + 3.0 * sigma + 1e-5, "{what}: {mean} ± {sigma}");
                 assert!(means.max <= 1.05, "{what}: {}", means.max);
                 assert_eq!(film.tally().nonfinite, 0, "{what}");
                 largest = largest.max(mean);
                 lowest = lowest.min(mean);
+                brightest = brightest.max(means.max);
             }
         }
     }
@@ -167,18 +167,18 @@ fn gain_at_every_bounce_of_every_profile() {
 /// Light that has all but been absorbed, in a body that it leaves only after thousands of collisions.
 #[test]
 fn long_walks_in_dark_media() {
-    let mut figure = String::new();
+    let mut figure = Figures::default();
     for g in [0.0, 0.95, -0.9] {
         let material = translucent(1.5, Rgb::new(1e-3, 1.0, 1e4), Rgb::splat(300.0), g);
         let scene: Scene = furnace(shape::sphere(Vec3::ZERO, 1.0, 4), material);
-        for (backend, found) in on_backends(&scene, by(Method::Walk), &Rays(2_000, even_rays)) {
-            for channel in &found.radiance {
+        for (setup, found) in renderings(&scene, by(Method::Walk), &Rays(2_000, even_rays)) {
+            for channel in found.parts(setup.mode) {
                 let (mean, sigma) = (channel.mean(), channel.standard_error());
-                assert!(mean > 0.0 && mean < 1.0 + 3.0 * sigma, "g {g} {backend}: {mean}");
+                assert!(mean > 0.0 && mean < 1.0 + 3.0 * sigma, "g {g} {setup}: {mean}");
             }
-            assert_eq!((found.counters.capped_paths, found.counters.rejected), (0, 0), "g {g} {backend}");
-            figure = format!("up to {:.0e} collisions a path, none cut", found.collisions.max);
+            assert_eq!((found.counters.capped_paths, found.counters.rejected), (0, 0), "g {g} {setup}");
+            figure.keep(setup, format!("up to {:.0e} collisions a path, none cut", found.collisions.max));
         }
     }
-    record("long_walks_in_dark_media", figure);
+    record("long_walks_in_dark_media", figure.written());
 }
