@@ -40,16 +40,18 @@ pub struct Setup {
 
 impl fmt::Display for Setup {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let mode = if self.mode == ColorMode::Spectral { "spectral" } else { "rgb" };
-        write!(f, "{mode} by {}", self.backend.name())
+        write!(f, "{} by {}", self.mode_name(), self.backend.name())
     }
 }
 
 impl Setup {
+    pub fn mode_name(&self) -> &'static str {
+        if self.mode == ColorMode::Spectral { "spectral" } else { "rgb" }
+    }
+
     /// The name of the mode, where figures are those of one backend for all.
     pub fn recorded(&self) -> Option<&'static str> {
-        let mode = if self.mode == ColorMode::Spectral { "spectral" } else { "rgb" };
-        (self.backend == Backend::Bvh).then_some(mode)
+        (self.backend == Backend::Bvh).then_some(self.mode_name())
     }
 }
 

@@ -195,16 +195,16 @@ fn index_below_one() {
     // Where a path at the critical angle begins, as single scattering in photon beam diffusion has it.
     let naive = |eta: f32| (eta * eta - 1.0).sqrt();
     assert_fails("√(η² − 1)", naive(1.0 / 1.5), |x: f32| x.is_finite());
-    let mut figures = String::new();
+    let mut figures = Figures::default();
     for method in [Method::Bssrdf, Method::Walk] {
         let scene = furnace(bubble().mesh, white(1.0 / 1.5, 0.0, Rgb::splat(10.0)));
         for (setup, found) in renderings(&scene, by(method), &Pictures(16)) {
             let (mean, sigma) = (found.mean.mean(), found.mean.standard_error());
             assert!((mean - 1.0).abs() < 3.0 * sigma + 1e-5, "{method:?} {setup}: {mean} ± {sigma}");
-            figures = format!("furnace {mean:.5} ± {sigma:.5}");
+            figures.keep(setup, format!("furnace {mean:.5} ± {sigma:.5}"));
         }
     }
-    record("index_below_one", format!("reciprocity {largest:.0e}; {figures}"));
+    record("index_below_one", format!("reciprocity {largest:.0e}; {}", figures.written()));
 }
 
 #[test]

@@ -12,7 +12,7 @@ use crate::common::scenes::{body, caster, furnace, join, white};
 use crate::common::walks::Found;
 use crate::lights::under_uneven_sky;
 use crate::media::translucent;
-use crate::record::{Figures, assert_fails, record};
+use crate::record::{Figures, Largest, assert_fails, record};
 
 /// `mesh` turned inside out.
 fn inverted(mesh: Mesh) -> Mesh {
@@ -128,13 +128,13 @@ fn bumped_normals() {
         ("matched", body(1.0, 0.0, 0.2), Method::Walk),
         ("smooth", body(1.5, 0.0, 0.2), Method::Walk),
     ];
-    let mut farthest = 0.0_f64;
+    let mut farthest = Largest::default();
     for (name, material, method) in materials {
         for (setup, found) in renderings(&furnace(bumped.clone(), material), by(method), &Pictures(32)) {
             let (mean, sigma) = (found.mean.mean(), found.mean.standard_error());
             assert!((mean - 1.0).abs() < 3.0 * sigma + 1e-4, "{name} {method:?} {setup}: {mean} ± {sigma}");
             assert_eq!(found.counters.rejected, 0, "{name}");
-            farthest = farthest.max((mean - 1.0).abs());
+            farthest.add(setup, (mean - 1.0).abs());
         }
     }
     // Lambert around a normal 60° off loses what goes below the surface: (1 − cos 60°)/2.
@@ -161,7 +161,8 @@ fn bumped_normals() {
     record(
         "bumped_normals",
         format!(
-            "furnace {farthest:.0e}; lobe cut at 60° keeps {:.0} %; flat against smooth {:.2} %",
+            "furnace {}; lobe cut at 60° keeps {:.0} %; flat against smooth {:.2} %",
+            farthest.written(),
             100.0 * above,
             100.0 * bias
         ),
@@ -214,7 +215,7 @@ fn bodies_of_next_to_nothing() {
         Mesh { positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y], triangles: vec![[0, 1, 2]], ..Mesh::default() };
     let point = Mesh { triangles: vec![[0, 0, 0]; 3], ..one.clone() };
     let line = Mesh { positions: vec![Vec3::ZERO, Vec3::X, Vec3::X * 0.5], ..one.clone() };
-    let mut farthest = 0.0_f64;
+    let mut farthest = Largest::default();
     for (name, mesh) in [("nothing", Mesh::default()), ("triangle", one), ("point", point), ("line", line)] {
         for method in [Method::Auto, Method::Bssrdf, Method::Walk, Method::Diffuse] {
             for ior in [1.0, 1.5] {
@@ -230,12 +231,12 @@ fn bodies_of_next_to_nothing() {
                         (0, 0),
                         "{name} {method:?}"
                     );
-                    farthest = farthest.max((mean - 1.0).abs());
+                    farthest.add(setup, (mean - 1.0).abs());
                 }
             }
         }
     }
-    record("bodies_of_next_to_nothing", format!("furnace: {farthest:.0e}"));
+    record("bodies_of_next_to_nothing", format!("furnace: {}", farthest.written()));
 }
 
 /// The same picture, and a warning, whether the triangles are wound the wrong way, their normals turned, or both.

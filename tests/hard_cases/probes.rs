@@ -11,7 +11,7 @@ use crate::common::probes::{caster, for_each_line, lines_on_backends, normal_of}
 use crate::common::scenes::{Statistics, furnace, join, white};
 use crate::lights::under_uneven_sky;
 use crate::media::translucent;
-use crate::record::{assert_fails, record};
+use crate::record::{Figures, Largest, assert_fails, record};
 
 /// Around the edge of a thin box, where half of the sheets are met edge-on.
 #[test]
@@ -108,7 +108,7 @@ fn primitives_met_twice() {
 #[test]
 fn free_path_longer_than_the_body() {
     let mesh = || shape::sphere(Vec3::ZERO, 1.0, 5);
-    let (mut farthest, mut worst_planar) = (0.0_f64, 0.0_f64);
+    let (mut farthest, mut worst_planar) = (Largest::default(), 0.0_f64);
     for exponent in -4..=4 {
         let free_path = 10.0_f32.powi(exponent);
         let scene = furnace(mesh(), white(1.4, 0.0, Rgb::new(1.0, 0.8, 1.6) / free_path));
@@ -117,7 +117,7 @@ fn free_path_longer_than_the_body() {
             let holds = |mean: f64| (mean - 1.0).abs() < 3.0 * sigma + 1e-5;
             assert!(holds(mean), "{free_path} {setup}: {mean} ± {sigma}");
             assert_eq!(found.counters.rejected, 0);
-            farthest = farthest.max((mean - 1.0).abs());
+            farthest.add(setup, (mean - 1.0).abs());
             if exponent > 0 {
                 // What the planar profile leaves on the sphere.
                 let planar = f64::from(NormalizedDiffusion::from_albedo(1.0, free_path).cumulative(2.0));
@@ -130,18 +130,20 @@ fn free_path_longer_than_the_body() {
     let clear = under_uneven_sky(furnace(mesh(), translucent(1.5, Rgb::splat(0.2), Rgb::ZERO, 0.0)));
     let thin = under_uneven_sky(furnace(mesh(), translucent(1.5, Rgb::splat(0.2), Rgb::splat(1e-5), 0.0)));
     let [clear, thin] = [clear, thin].map(|scene| renderings(&scene, by(Method::Walk), &Pictures(2048)));
-    let mut change = String::new();
+    let mut change = Figures::default();
     for ((setup, clear), (_, thin)) in clear.iter().zip(&thin) {
         let sigma = clear.mean.standard_error().hypot(thin.mean.standard_error());
         let (relative, sigma) = (thin.mean.mean() / clear.mean.mean() - 1.0, sigma / clear.mean.mean());
         assert!(relative.abs() < 1e-3 + 3.0 * sigma, "{setup}: {relative} ± {sigma}");
-        change = format!("{:+.1} ± {:.1} ‰", 1e3 * relative, 1e3 * sigma);
+        change.keep(*setup, format!("{:+.1} ± {:.1} ‰", 1e3 * relative, 1e3 * sigma));
     }
     record(
         "free_path_longer_than_the_body",
         format!(
-            "furnace from 10⁻⁴ to 10⁴: {farthest:.0e}; planar profile loses up to {:.0} %; walk against Snell: {change}",
-            100.0 * worst_planar
+            "furnace from 10⁻⁴ to 10⁴: {}; planar profile loses up to {:.0} %; walk against Snell: {}",
+            farthest.written(),
+            100.0 * worst_planar,
+            change.written()
         ),
     );
 }

@@ -37,6 +37,24 @@ impl Figures {
     }
 }
 
+/// The largest of numbers in each mode.
+#[derive(Default)]
+pub struct Largest(BTreeMap<&'static str, f64>);
+
+impl Largest {
+    /// Takes in a number of a rendering.
+    pub fn add(&mut self, setup: Setup, number: f64) {
+        let largest = self.0.entry(setup.mode_name()).or_default();
+        *largest = largest.max(number);
+    }
+
+    /// Those of all modes.
+    pub fn written(&self) -> String {
+        let numbers: Vec<_> = self.0.iter().map(|(mode, number)| format!("{mode} {number:.0e}")).collect();
+        numbers.join(", ")
+    }
+}
+
 /// Keeps what was `measured` for the case `name`.
 #[track_caller]
 pub fn record(name: &str, measured: String) {

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use alabaster::math::sampler::HashGenerator;
 use alabaster::optics::fresnel_dielectric;
 use alabaster::radiometry::Rgb;
-use alabaster::radiometry::color::RGB_TO_XYZ;
+use alabaster::radiometry::color::{RGB_TO_XYZ, XYZ_TO_RGB};
 use alabaster::radiometry::spectrum::dispersion::Dispersion;
 use alabaster::radiometry::spectrum::lamp::Lamp;
 use alabaster::radiometry::spectrum::medium_table::MediumTable;
 use alabaster::radiometry::spectrum::observer::{LUMINANCE_INTEGRAL, color_matching, xyz};
-use alabaster::radiometry::spectrum::upsampling::daylight;
+use alabaster::radiometry::spectrum::upsampling::{BoundedSpectrum, daylight};
 use alabaster::scene::{
     Camera, ColorInput, ColorMode, Emitted, Light, Material, Method, ScalarInput, ScatteringInput, Scene,
     Surface, shape,
@@ -36,25 +36,31 @@ fn diffuse(reflectance: Rgb) -> Material {
 #[test]
 fn single_samples_out_of_gamut() {
     let sphere = |material: Material| furnace(shape::sphere(Vec3::ZERO, 1.0, 4), material);
-    let mut scene = sphere(diffuse(Rgb::ONE));
+    // Green: most of what it reflects has a red below 0.
+    let albedo = Rgb::new(0.0, 1.0, 0.0);
+    let mut scene = sphere(diffuse(albedo));
     scene.render.color_mode = ColorMode::Spectral;
     let renderer = Renderer::new(scene, options(), caster).unwrap();
     let (mut channels, mut clipped): ([Statistics; 3], [Statistics; 3]) = Default::default();
-    for pixel in 0..576 {
-        for sample in 0..16 {
-            let radiance = renderer.sample(pixel % 24, pixel / 24, sample, &mut Counters::default());
-            for c in 0..3 {
-                channels[c].add(radiance[c].into());
-                clipped[c].add(radiance[c].max(0.0).into());
-            }
+    // Rays against the sphere alone.
+    for sample in 0..20_000 {
+        let radiance = renderer.radiance(Vec3::Y * 3.0, Vec3::NEG_Y, sample, &mut Counters::default());
+        for c in 0..3 {
+            channels[c].add(radiance[c].into());
+            clipped[c].add(radiance[c].max(0.0).into());
         }
     }
-    // Three channels: 4σ.
+    let share = BoundedSpectrum::fit(albedo).unwrap();
+    let reflected = |nanometres: f64| f64::from(share.value(nanometres as f32) * daylight(nanometres as f32));
+    let exact = *XYZ_TO_RGB * DVec3::from(xyz(reflected));
+    // Three channels: 4σ; and a thousandth for the bends of the product between rows of 5 nm.
     let holds = |channels: &[Statistics; 3]| {
-        channels.iter().all(|channel| (channel.mean() - 1.0).abs() < 4.0 * channel.standard_error())
+        let off =
+            |c: usize| (channels[c].mean() - exact[c]).abs() / (4.0 * channels[c].standard_error() + 1e-3);
+        (0..3).all(|c| off(c) < 1.0)
     };
     let means = |channels: &[Statistics; 3]| channels.each_ref().map(Statistics::mean);
-    assert!(holds(&channels), "{:?}", means(&channels));
+    assert!(holds(&channels), "{:?} {exact}", means(&channels));
     assert_fails("samples clipped at 0", &clipped, holds);
 
     let mut brightest = 0.0_f64;
@@ -90,7 +96,7 @@ fn single_samples_out_of_gamut() {
     record(
         "single_samples_out_of_gamut",
         format!(
-            "white {red:.3}, {green:.3}, {blue:.3}; clipped {clipped_red:.3}, {clipped_green:.3}, {clipped_blue:.3}; \
+            "green {red:.3}, {green:.3}, {blue:.3}; clipped {clipped_red:.3}, {clipped_green:.3}, {clipped_blue:.3}; \
              of the primaries at most {brightest:.2}"
         ),
     );
@@ -193,9 +199,13 @@ fn glass_of_abbe_number_one() {
             {
                 let (mean, sigma) = (found.mean.mean(), found.mean.standard_error());
                 println!("roughness {roughness} {setup}: {mean} ± {sigma}, {}", found.mean.max);
-                assert!((mean - 1.0).abs() < 3.0 * sigma + 1e-5, "{setup}: {mean} ± {sigma}");
+                assert!(mean < 1.0 + 3.0 * sigma + 1e-5, "{setup}: {mean} ± {sigma}");
                 assert_eq!(found.counters.rejected, 0, "{setup}");
-                farthest = farthest.max((mean - 1.0).abs());
+                // Rough ones lose what meets their facets twice.
+                if roughness == 0.0 {
+                    assert!(mean > 1.0 - 3.0 * sigma - 1e-5, "{setup}: {mean} ± {sigma}");
+                    farthest = farthest.max((mean - 1.0).abs());
+                }
                 most = most.max(found.mean.max);
             }
         }
