@@ -237,7 +237,6 @@ impl<const PLACED: bool> Query for Closest<'_, PLACED> {
         let Self { caster, ray, subtree, room, bottom } = self;
         let boxes = NodeRay::new(ray, subtree.largest);
         let boxes = (&K::prepare(&boxes), boxes.first());
-        let triangles = WatertightRay::new(ray);
         let words = caster.arena.words();
         let mut traversal = Traversal::<K>::new(words, boxes, subtree.root, room, bottom);
         let mut t_max = ray.t_max;
@@ -252,7 +251,11 @@ impl<const PLACED: bool> Query for Closest<'_, PLACED> {
                 nearest = Some((crossing, leaf));
             }
         };
-        while let Some(leaf) = traversal.next_leaf(t_max) {
+        let mut next = traversal.next_leaf(t_max);
+        // Many rays end here: for these, nothing is prepared to meet triangles.
+        next?;
+        let triangles = WatertightRay::new(ray);
+        while let Some(leaf) = next {
             if PLACED && let Some(instance) = leaf.as_instance() {
                 let ray = Ray { t_max, ..*ray };
                 if let Some(hit) = caster.closest_of::<K>(&ray, instance, traversal.room()) {
@@ -264,6 +267,7 @@ impl<const PLACED: bool> Query for Closest<'_, PLACED> {
                     crossings.of(block).for_each(|crossing| take(crossing, leaf, &mut t_max));
                 }
             }
+            next = traversal.next_leaf(t_max);
         }
         nearest.map(|(crossing, leaf)| crossing.hit(caster.instance_of(leaf)))
     }
