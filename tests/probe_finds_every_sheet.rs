@@ -22,6 +22,12 @@ fn comb(count: u32) -> Mesh {
     mesh
 }
 
+/// Whether the parameter is the expected one, but for half a dozen roundings of numbers that are not larger: where it is exact
+/// by division, it may not be by a reciprocal, of which each processor has its own estimate.
+fn is_near(hit: &Hit, expected: f32) -> bool {
+    (hit.t - expected).abs() <= 3.0 * f32::EPSILON * expected
+}
+
 fn all_hits(caster: &dyn RayCaster, ray: &Ray) -> Vec<Hit> {
     let mut hits = vec![Hit { t: 0.0, u: 0.0, v: 0.0, instance: 7, primitive: 7 }];
     caster.all_hits(ray, 0, &mut hits);
@@ -90,7 +96,7 @@ fn a_shared_edge_is_reported_once_or_for_both_triangles() {
                 let on_sheet: Vec<_> = hits.iter().filter(|hit| hit.primitive / 2 == sheet).collect();
                 assert!((1..=2).contains(&on_sheet.len()), "{name}: {diagonal}: {on_sheet:?}");
                 assert!(on_sheet.len() < 2 || on_sheet[0].primitive != on_sheet[1].primitive, "{name}");
-                assert!(on_sheet.iter().all(|hit| hit.t == (sheet + 1) as f32), "{name}: {on_sheet:?}");
+                assert!(on_sheet.iter().all(|hit| is_near(hit, (sheet + 1) as f32)), "{name}: {on_sheet:?}");
             }
         }
     }
@@ -114,9 +120,7 @@ fn other_bodies_in_the_way_are_not_reported() {
             assert_eq!(hits.len(), 64, "{name}");
             assert!(hits.iter().all(|hit| hit.instance == instance), "{name}");
             for (sheet, hit) in hits.iter().enumerate() {
-                // Half a dozen roundings, of numbers not larger than the parameter.
-                let expected = (sheet + 1) as f32 + offset;
-                assert!((hit.t - expected).abs() <= 3.0 * f32::EPSILON * expected, "{name}: {hit:?}");
+                assert!(is_near(hit, (sheet + 1) as f32 + offset), "{name}: {hit:?}");
             }
         }
     }

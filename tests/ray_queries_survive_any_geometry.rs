@@ -75,8 +75,10 @@ fn bad_triangles_do_not_hide_good_ones() {
         for (name, caster) in placed(&mesh, transforms) {
             for good in 0..4 {
                 let origin = Vec3::new(good as f32 + 0.25, 0.25, 0.0);
-                let hit = caster.closest(&Ray::new(origin, Vec3::Z)).map(|hit| (hit.t, hit.primitive));
-                assert_eq!(hit, Some((1.0, 5 * good)), "{name}");
+                let hit = caster.closest(&Ray::new(origin, Vec3::Z)).expect("a good triangle is there");
+                assert_eq!(hit.primitive, 5 * good, "{name}");
+                // Half a dozen roundings, one of them that of a reciprocal.
+                assert!((hit.t - 1.0).abs() <= 3.0 * f32::EPSILON, "{name}: {hit:?}");
                 let mut hits = vec![];
                 caster.all_hits(&Ray { origin, direction: Vec3::Z, t_max: 2.0 }, 0, &mut hits);
                 assert_eq!(hits.len(), 1, "{name}: {hits:?}");
