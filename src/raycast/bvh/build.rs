@@ -6,7 +6,7 @@ use bytemuck::must_cast;
 use super::bounds::Bounds;
 use super::node::{Child, LANES, NODE_WORDS, Node, WIDTH, Word};
 use super::pages::Arena;
-use super::partition::{Cut, Item, Part, partition};
+use super::partition::{Cut, Item, Parted, Place, partition};
 use crate::raycast::RaycastError;
 
 /// Levels of nodes that traversals have room for. Halves of up to 2³² boxes need no more.
@@ -37,12 +37,11 @@ pub fn build(
 ) -> Result<Built, RaycastError> {
     let start = arena.words().len();
     for levels in [LEVELS, 0] {
-        let parts = partition(items, capacity, levels)?;
-        let mut collapse = Collapse { parts: &parts, capacity, depth: 0, arena: &mut *arena };
+        let parted = partition(items, capacity, levels)?;
+        let mut collapse = Collapse { parted: &parted, capacity, depth: 0, arena: &mut *arena };
         let root = collapse.run(&mut leaf)?;
-        let depth = collapse.depth;
-        if depth <= DEPTH {
-            return Ok(Built { root, bounds: parts[0].bounds(), count: items.len() });
+        if collapse.depth <= DEPTH {
+            return Ok(Built { root, bounds: parted.bounds(parted.whole()), count: parted.whole().count });
         }
         arena.truncate(start);
     }
@@ -50,7 +49,7 @@ pub fn build(
 }
 
 struct Collapse<'a> {
-    parts: &'a [Part],
+    parted: &'a Parted<'a>,
     capacity: usize,
     depth: usize,
     arena: &'a mut Arena,
@@ -67,12 +66,12 @@ impl Collapse<'_> {
         &mut self,
         leaf: &mut impl FnMut(&mut Arena, &[u32]) -> Result<Child, RaycastError>,
     ) -> Result<Child, RaycastError> {
-        if self.parts[0].cuts[0] == Cut::NONE {
-            let root = self.leaf(0);
-            return leaf(self.arena, &root.boxes);
+        let whole = self.parted.whole();
+        if self.parted.cut(whole, 1) == Cut::NONE {
+            return leaf(self.arena, &self.leaf(whole).boxes);
         }
         let root = self.new_node()?;
-        let mut stack = vec![(0_u32, root, 1)];
+        let mut stack = vec![(whole, root, 1)];
         while let Some((part, target, level)) = stack.pop() {
             self.depth = self.depth.max(level);
             let (leaves, inner) = self.children(part);
@@ -82,7 +81,7 @@ impl Collapse<'_> {
             }
             for part in inner {
                 let word = self.new_node()?;
-                children.push((self.parts[part as usize].bounds(), Child::node(word)));
+                children.push((self.parted.bounds(part), Child::node(word)));
                 stack.push((part, word, level + 1));
             }
             let node = Node::new(&children);
@@ -97,21 +96,20 @@ impl Collapse<'_> {
     }
 
     /// What a part becomes the node of: leaves, and parts that are nodes again.
-    fn children(&self, part: u32) -> (ArrayVec<Leaf, WIDTH>, ArrayVec<u32, WIDTH>) {
+    fn children(&self, part: Place) -> (ArrayVec<Leaf, WIDTH>, ArrayVec<Place, WIDTH>) {
         let (mut leaves, mut inner) = (ArrayVec::new(), ArrayVec::new());
-        let mut stack = ArrayVec::<(u32, Cut), { WIDTH + 1 }>::new();
-        stack.push((part, self.parts[part as usize].cuts[0]));
+        let mut stack = ArrayVec::<(Place, Cut), { WIDTH + 1 }>::new();
+        stack.push((part, self.parted.cut(part, 1)));
         while let Some((part, cut)) = stack.pop() {
-            let part_of = &self.parts[part as usize];
-            let (first, cuts) = (part_of.first(), part_of.cuts);
             match cut.halves() {
                 Some([left, right]) => {
-                    stack.extend([(first + 1, right), (first, left)].map(|(half, most)| {
+                    let [first, second] = self.parted.halves(part);
+                    stack.extend([(second, right), (first, left)].map(|(half, most)| {
                         // Of one child there is nothing to cut.
-                        (half, if most > 1 { self.parts[half as usize].cuts[most - 1] } else { Cut::NONE })
+                        (half, if most > 1 { self.parted.cut(half, most) } else { Cut::NONE })
                     }))
                 }
-                None if cuts[0] == Cut::NONE => leaves.push(self.leaf(part)),
+                None if self.parted.cut(part, 1) == Cut::NONE => leaves.push(self.leaf(part)),
                 None => inner.push(part),
             }
         }
@@ -119,20 +117,9 @@ impl Collapse<'_> {
         (leaves, inner)
     }
 
-    fn leaf(&self, part: u32) -> Leaf {
-        let mut leaf = Leaf { bounds: self.parts[part as usize].bounds(), boxes: ArrayVec::new() };
-        let mut stack = ArrayVec::<u32, { LANES + 1 }>::new();
-        stack.push(part);
-        while let Some(part) = stack.pop() {
-            let part = &self.parts[part as usize];
-            let first = part.first();
-            if part.count == 1 {
-                leaf.boxes.push(first);
-            } else {
-                stack.extend([first + 1, first]);
-            }
-        }
-        leaf
+    fn leaf(&self, part: Place) -> Leaf {
+        let boxes = self.parted.items(part).iter().map(Item::index).collect();
+        Leaf { bounds: self.parted.bounds(part), boxes }
     }
 }
 

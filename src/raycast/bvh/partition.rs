@@ -45,26 +45,61 @@ impl Item {
     }
 }
 
-/// Some of the boxes.
+/// Two boxes or more. What is below the first half follows, as far as it is parts and not single boxes, and then what is below the second.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-pub struct Part {
-    /// The box around them; as a number, the box, if it is only one, or else where its two halves are, one after the other.
-    item: Item,
-    /// Boxes in it.
-    pub count: u64,
+struct Part {
+    low: [f32; 3],
+    /// Boxes in the first half.
+    left: u32,
+    high: [f32; 3],
     /// By i: how it is cut if it may become i + 1 children of a node at most; of one child, how what is below is cut into eight at most.
-    pub cuts: [Cut; WIDTH],
+    cuts: [Cut; WIDTH],
 }
 
-impl Part {
-    pub fn bounds(&self) -> Bounds {
-        self.item.bounds()
+/// Boxes as they have been parted, in their order.
+pub struct Parted<'a> {
+    items: &'a [Item],
+    parts: Pages<Part>,
+}
+
+/// A part, or a single box, by place.
+#[derive(Clone, Copy)]
+pub struct Place {
+    part: usize,
+    first: usize,
+    pub count: usize,
+}
+
+impl Parted<'_> {
+    /// All boxes.
+    pub fn whole(&self) -> Place {
+        Place { part: 0, first: 0, count: self.items.len() }
     }
 
-    /// The box, if it is only one; or else where its two halves are, one after the other.
-    pub fn first(&self) -> u32 {
-        self.item.index()
+    /// The boxes of a part.
+    pub fn items(&self, Place { first, count, .. }: Place) -> &[Item] {
+        &self.items[first..first + count]
+    }
+
+    pub fn bounds(&self, place: Place) -> Bounds {
+        if let [item] = self.items(place) {
+            return item.bounds();
+        }
+        let Part { low, high, .. } = self.parts[place.part];
+        Bounds { low: low.into(), high: high.into() }
+    }
+
+    /// How a part is cut if it may become `most` children of a node, as [`Part::cuts`] says.
+    pub fn cut(&self, place: Place, most: usize) -> Cut {
+        if place.count > 1 { self.parts[place.part].cuts[most - 1] } else { Cut::NONE }
+    }
+
+    /// The halves of a part.
+    pub fn halves(&self, Place { part, first, count }: Place) -> [Place; 2] {
+        let left = self.parts[part].left as usize;
+        let before = Place { part: part + 1, first, count: left };
+        [before, Place { part: part + left, first: first + left, count: count - left }]
     }
 }
 
@@ -90,17 +125,15 @@ impl Cut {
 /// Boxes of which it is worth while to part the halves at the same time.
 const PARALLEL: usize = 1 << 12;
 
-/// Parts `items`, of which there is at least one, into `2·n − 1` parts, the whole first and halves behind what they are halves of. Of
-/// items up to `capacity` a leaf can be made. After `levels`, parts are cut in the middle, whatever that costs.
+/// Parts `items`, of which there is at least one. Of items up to `capacity` a leaf can be made. After `levels`, parts are cut in the
+/// middle, whatever that costs.
 ///
 /// # Errors
 /// If there is no memory.
-pub fn partition(items: &mut [Item], capacity: usize, levels: u32) -> Result<Pages<Part>, RaycastError> {
-    let mut parts: Pages<Part> = Pages::zeroed(2 * items.len() - 1)?;
-    if let Some((whole, rest)) = parts.split_first_mut() {
-        Partition { capacity }.divide(items, whole, rest, 1, levels);
-    }
-    Ok(parts)
+pub fn partition(items: &mut [Item], capacity: usize, levels: u32) -> Result<Parted<'_>, RaycastError> {
+    let mut parts: Pages<Part> = Pages::zeroed(items.len() - 1)?;
+    Partition { capacity }.divide(items, &mut parts, levels, &mut NO_BINS.clone());
+    Ok(Parted { items, parts })
 }
 
 /// By part: the least cost if it may become at most 1, 2, …, 8 children of a node. Looking into a node costs as much as looking
@@ -112,45 +145,46 @@ struct Partition {
 }
 
 impl Partition {
-    /// Makes `part` the part of all of `items`, and `rest`, which is at `first`, of what is below.
+    /// Parts `items` into `parts`, of which there is one less, and says what is around them and what they cost. `bins` are for use on the way.
     fn divide(
         &self,
         items: &mut [Item],
-        part: &mut Part,
-        rest: &mut [Part],
-        first: u32,
+        parts: &mut [Part],
         levels: u32,
-    ) -> Costs {
-        if let [item] = items {
-            *part = Part { item: *item, count: 1, cuts: [Cut::NONE; WIDTH] };
-            return [item.bounds().half_area(); WIDTH];
-        }
+        bins: &mut Bins,
+    ) -> (Bounds, Costs) {
+        let Some((part, parts)) = parts.split_first_mut() else {
+            let bounds = items[0].bounds();
+            return (bounds, [bounds.half_area(); WIDTH]);
+        };
         let count = items.len();
-        let middle = if levels > 0 { split(items, self.capacity) } else { count / 2 };
+        let middle = if levels > 0 { split(items, self.capacity, bins) } else { count / 2 };
         let levels = levels.saturating_sub(1);
         let (left, right) = items.split_at_mut(middle);
-        let (halves, rest) = rest.split_at_mut(2);
-        let (a, b) = halves.split_at_mut(1);
-        let below = 2 * (middle - 1);
-        let (below_a, below_b) = rest.split_at_mut(below);
-        let at_a = first + 2;
-        let at_b = at_a + below as u32;
-        let mut divide_a = || self.divide(left, &mut a[0], below_a, at_a, levels);
-        let mut divide_b = || self.divide(right, &mut b[0], below_b, at_b, levels);
-        let costs = if count > PARALLEL { rayon::join(divide_a, divide_b) } else { (divide_a(), divide_b()) };
-        let bounds = a[0].bounds().union(b[0].bounds());
+        let (below_left, below_right) = parts.split_at_mut(middle - 1);
+        let mut divide_left = |bins: &mut Bins| self.divide(left, below_left, levels, bins);
+        let mut divide_right = |bins: &mut Bins| self.divide(right, below_right, levels, bins);
+        let ((low, left), (high, right)) = if count > PARALLEL {
+            rayon::join(|| divide_left(bins), || divide_right(&mut NO_BINS.clone()))
+        } else {
+            (divide_left(bins), divide_right(bins))
+        };
+        let bounds = low.union(high);
         let leaf = if count <= self.capacity { bounds.half_area() } else { f32::INFINITY };
-        let (cuts, costs) = cuts([&costs.0, &costs.1], leaf, bounds.half_area());
-        *part = Part { item: Item::new(bounds, first), count: count as u64, cuts };
-        costs
+        // A half does not become more children than it has boxes.
+        let (left, right) = (&left[..middle.min(WIDTH - 1)], &right[..(count - middle).min(WIDTH - 1)]);
+        let (cuts, costs) = cuts([left, right], leaf, bounds.half_area());
+        let Bounds { low, high } = bounds;
+        *part = Part { low: low.into(), left: middle as u32, high: high.into(), cuts };
+        (bounds, costs)
     }
 }
 
 /// The best cuts of a part and their costs, from the costs of its halves, of a leaf, and of looking into a node.
-fn cuts([left, right]: [&Costs; 2], leaf: f32, node: f32) -> ([Cut; WIDTH], Costs) {
+fn cuts([left, right]: [&[f32]; 2], leaf: f32, node: f32) -> ([Cut; WIDTH], Costs) {
     let (mut cuts, mut costs) = ([Cut::NONE; WIDTH], [f32::INFINITY; WIDTH]);
-    for (a, left) in left[..WIDTH - 1].iter().enumerate() {
-        for (b, right) in right[..WIDTH - 1 - a].iter().enumerate() {
+    for (a, left) in left.iter().enumerate() {
+        for (b, right) in right[..right.len().min(WIDTH - 1 - a)].iter().enumerate() {
             let cost = left + right;
             if cost < costs[a + b + 1] {
                 (cuts[a + b + 1], costs[a + b + 1]) = (Cut::new(a + 1, b + 1), cost);
@@ -202,6 +236,8 @@ impl Bin {
 /// By axis.
 type Bins = [[Bin; BINS]; 3];
 
+const NO_BINS: Bins = [[Bin::EMPTY; BINS]; 3];
+
 /// The last bits of a number about as large are those of the integer that it was rounded to: several times as fast as a conversion.
 const INTEGERS: f32 = (1 << 23) as f32;
 
@@ -241,36 +277,40 @@ impl Grid {
         place.to_bits() as usize % BINS
     }
 
-    fn fill(&self, items: &[Item]) -> Bins {
-        let mut bins = [[Bin::EMPTY; BINS]; 3];
+    fn fill(&self, items: &[Item], bins: &mut Bins) {
+        bins.iter_mut().for_each(|bins| bins[..self.bins].fill(Bin::EMPTY));
         for item in items {
             for (bins, place) in bins.iter_mut().zip(self.bin(item)) {
                 let Bin { bounds, count } = bins[place];
                 bins[place] = Bin { bounds: bounds.union(item.bounds()), count: count + 1 };
             }
         }
-        bins
     }
 }
 
 /// Brings `items`, of which there are at least two, into an order so that it is best to part them before the one that is returned. Of items up to
 /// `capacity` a leaf can be made.
-fn split(items: &mut [Item], capacity: usize) -> usize {
+fn split(items: &mut [Item], capacity: usize, bins: &mut Bins) -> usize {
     let middle = items.len() / 2;
     if items.len() <= FEW {
         sort_along_widest(items);
         return middle;
     }
     let grid = Grid::new(items);
-    let bins = if items.len() > PARALLEL {
+    if items.len() > PARALLEL {
         let join = |a: Bins, b: Bins| {
             std::array::from_fn(|axis| std::array::from_fn(|i| a[axis][i].and(b[axis][i])))
         };
-        items.par_chunks(PARALLEL).map(|items| grid.fill(items)).reduce(|| [[Bin::EMPTY; BINS]; 3], join)
+        let fill = |items: &[Item]| {
+            let mut bins = NO_BINS;
+            grid.fill(items, &mut bins);
+            bins
+        };
+        *bins = items.par_chunks(PARALLEL).map(fill).reduce(|| NO_BINS, join);
     } else {
-        grid.fill(items)
-    };
-    let Some((axis, bin)) = best_plane(&bins, grid.bins, capacity) else { return middle };
+        grid.fill(items, bins);
+    }
+    let Some((axis, bin)) = best_plane(bins, grid.bins, capacity) else { return middle };
     let (mut left, mut right) = (0, items.len());
     while left < right {
         if grid.bin_along(axis, &items[left]) < bin {
@@ -295,17 +335,19 @@ fn sort_along_widest(items: &mut [Item]) {
 /// The axis, and the first bin on the right; none if everything falls into one.
 fn best_plane(bins: &Bins, count: usize, capacity: usize) -> Option<(usize, usize)> {
     let (mut least, mut best) = (f32::INFINITY, None);
+    let all: u32 = bins[0][..count].iter().map(|bin| bin.count).sum();
     for (axis, bins) in bins.iter().enumerate() {
-        let mut right = [Bin::EMPTY; BINS];
-        right[count - 1] = bins[count - 1];
-        for i in (1..count - 1).rev() {
-            right[i] = bins[i].and(right[i + 1]);
+        let mut right = Bin::EMPTY;
+        let mut right_costs = [0.0; BINS];
+        for i in (1..count).rev() {
+            right = right.and(bins[i]);
+            right_costs[i] = right.cost(capacity);
         }
         let mut left = Bin::EMPTY;
         for i in 1..count {
             left = left.and(bins[i - 1]);
-            let cost = left.cost(capacity) + right[i].cost(capacity);
-            if left.count > 0 && right[i].count > 0 && cost < least {
+            let cost = left.cost(capacity) + right_costs[i];
+            if left.count > 0 && left.count < all && cost < least {
                 (least, best) = (cost, Some((axis, i)));
             }
         }
