@@ -137,9 +137,7 @@ impl<'a> Wavelengths<'a> {
     fn regular(&self, spectrum: &RegularSpectrum) -> Spectrum<CARRIED> {
         Spectrum(self.rows.map(|row| spectrum[row]))
     }
-}
 
-impl Wavelengths<'_> {
     /// An emission that is `rgb` where it was looked up.
     fn emitted(&self, rgb: Rgb) -> Spectrum<CARRIED> {
         self.spectra.filters(rgb, self.carried.nanometres) * self.regular(self.spectra.daylight())

@@ -113,16 +113,14 @@ impl SceneSpectra {
         };
         let environment = emission(constant).map_err(named("the environment".into()))?;
         let is_map = matches!(scene.environment, Some(Environment::Map { .. }));
-        let table = match is_map || scene.materials.iter().any(Material::varies) {
-            true => Some(UpsamplingTable::new()),
-            false => None,
-        };
+        let varies = is_map || scene.materials.iter().any(Material::varies);
+        let table = varies.then(UpsamplingTable::new).transpose();
         Ok(Self {
             materials: materials.collect::<Result<_, _>>()?,
             lights: lights.collect::<Result<_, _>>()?,
             environment,
             daylight: RegularSpectrum::tabulate(|nanometres| daylight(nanometres as f32).into()),
-            table: table.transpose().map_err(|problem| named("textures".into())(problem))?,
+            table: table.map_err(|problem| named("textures".into())(problem))?,
         })
     }
 

@@ -111,7 +111,10 @@ impl ScaledSpectrum {
     /// # Errors
     /// If a channel is not finite or negative.
     pub fn fit(rgb: Rgb) -> Result<Self, UpsamplingError> {
-        let (scale, share) = split(rgb)?;
+        if !(rgb.is_finite() && rgb.min_component() >= 0.0) {
+            return Err(UpsamplingError::Negative(rgb.0));
+        }
+        let (scale, share) = split(rgb);
         Ok(Self { scale, share: BoundedSpectrum::fit(share)? })
     }
 
@@ -127,17 +130,11 @@ impl ScaledSpectrum {
     }
 }
 
-/// A scale and a share of it, that are `rgb` together.
-///
-/// # Errors
-/// If a channel is not finite or negative.
-fn split(rgb: Rgb) -> Result<(f32, Rgb), UpsamplingError> {
-    if !(rgb.is_finite() && rgb.min_component() >= 0.0) {
-        return Err(UpsamplingError::Negative(rgb.0));
-    }
+/// A scale and a share of it, that are `rgb` together; nothing of what has no channel above zero.
+fn split(rgb: Rgb) -> (f32, Rgb) {
     // Half, where a share is smoothest.
-    let scale = 2.0 * rgb.max_component().min(0.5 * f32::MAX);
-    Ok((scale, if scale > 0.0 { rgb / scale } else { Rgb::ZERO }))
+    let scale = 2.0 * rgb.max_component().clamp(0.0, 0.5 * f32::MAX);
+    (scale, if scale > 0.0 { rgb / scale } else { Rgb::ZERO })
 }
 
 /// Power of D65 at `nanometres`, its Y being 1 on the scale on which constant 1 has Y = 1.
@@ -184,8 +181,7 @@ impl UpsamplingTable {
 
     /// The same of an emission of the colour `rgb` that is not negative, per unit of [`daylight`].
     pub fn filters<const N: usize>(&self, rgb: Rgb, nanometres: [f32; N]) -> [f32; N] {
-        let scale = 2.0 * rgb.max_component().clamp(0.0, 0.5 * f32::MAX);
-        let share = if scale > 0.0 { rgb / scale } else { Rgb::ZERO };
+        let (scale, share) = split(rgb);
         self.shares(share, nanometres).map(|share| share * scale)
     }
 
