@@ -1,9 +1,9 @@
 //! Ray casters against Embree called with nothing around it.
 //!
-//! `cargo bench --bench raycast [ROUNDS [SCENE]]`: the rays of a scene (a ball of 1.3 million triangles, if none is given), recorded while it was rendered, are cast in turns on one thread
-//! by bare Embree with its default flags, by bare Embree with the flag ROBUST, by our wrapper of that, and by the hierarchies in Rust. Speeds
-//! are medians of all turns, ratios medians of the ratios within a turn. Bare Embree is given rays in its own layout and keeps its hits to
-//! itself; of probes it counts the hits.
+//! `cargo bench --bench raycast [ROUNDS [SCENE]]`: hierarchies over a scene (a ball of 1.3 million triangles, if none is given) are built in turns, and the
+//! rays of it, recorded while it was rendered, are cast on one thread, in turns of a few thousand: by bare Embree with its default flags, by bare
+//! Embree with the flag ROBUST, by our wrapper of that, and by the hierarchies in Rust. Ratios are medians of those of whole rounds, speeds are those of the
+//! median round. Bare Embree is given rays in its own layout and keeps its hits to itself; of probes it counts the hits.
 
 #![allow(unsafe_code)]
 
@@ -24,7 +24,7 @@ use std::time::Instant;
 use alabaster::raycast::bvh::BvhCaster;
 use alabaster::raycast::embree::EmbreeCaster;
 use alabaster::raycast::obvhs::ObvhsCaster;
-use alabaster::raycast::{Ray, RayCaster};
+use alabaster::raycast::{Geometry, Ray, RayCaster, RaycastError};
 use alabaster::scene::{Scene, read_scene};
 use alabaster::study::race::Kind;
 use alabaster::study::race::record::{Query, Recorder, Recording, record};
@@ -37,27 +37,49 @@ use embree4_sys as rtc;
 /// Rays of each kind.
 const RAYS: usize = 1 << 19;
 
+/// Rays of a turn: so few that all contestants cast them on the machine as it is at that moment.
+const TURN: usize = 1 << 14;
+
+/// Seconds for rays of a kind.
+type Cast<'a> = dyn Fn(Kind, &[Query]) -> f64 + 'a;
+
+/// Builds something over the scene and releases it again.
+type Build<'a> = dyn Fn(&Geometry) + 'a;
+
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     let rounds = arguments.first().map_or(9, |rounds| rounds.parse().expect("ROUNDS is a number"));
     let scene = arguments.get(1).map_or_else(ball, |path| read_scene(&PathBuf::from(path)).unwrap());
-    let options = RenderOptions::of(&scene, 0);
-    let recorder =
-        Renderer::new(scene.clone(), options, |geometry| BvhCaster::new(geometry).map(Recorder::new));
-    let recorder = recorder.unwrap();
+    let recorder = renderer(&scene, |geometry| BvhCaster::new(geometry).map(Recorder::new));
     let recording = record(&recorder, RAYS);
 
-    let start = process_seconds();
     // With the lights that can be met.
     let met = recorder.scene();
     let plain = Bare::new(met, false);
-    println!("bare Embree: {:.2} CPU s, {} MB", process_seconds() - start, plain.bytes() >> 20);
     let robust = Bare::new(met, true);
-    let wrapper = caster("wrapper", &scene, |g| EmbreeCaster::new(g, 0), EmbreeCaster::bytes);
-    let bvh = caster("bvh", &scene, BvhCaster::new, BvhCaster::bytes);
-    let portable =
-        caster("portable", &scene, |g| BvhCaster::new(g).map(BvhCaster::portable), BvhCaster::bytes);
-    let obvhs = caster("obvhs", &scene, ObvhsCaster::new, ObvhsCaster::bytes);
+    let wrapper = renderer(&scene, |geometry| EmbreeCaster::new(geometry, 0));
+    let bvh = renderer(&scene, |geometry| {
+        let builders: [(&str, &Build); 4] = [
+            ("bare", &|_| drop(Bare::new(met, false))),
+            ("wrapper", &|geometry| drop(EmbreeCaster::new(geometry, 0).unwrap())),
+            ("bvh", &|geometry| drop(BvhCaster::new(geometry).unwrap())),
+            ("obvhs", &|geometry| drop(ObvhsCaster::new(geometry).unwrap())),
+        ];
+        race_builds(geometry, rounds, &builders);
+        BvhCaster::new(geometry)
+    });
+    let portable = renderer(&scene, |geometry| BvhCaster::new(geometry).map(BvhCaster::portable));
+    let obvhs = renderer(&scene, ObvhsCaster::new);
+    let sizes = [
+        ("bare", plain.bytes()),
+        ("wrapper", wrapper.caster().bytes()),
+        ("bvh", bvh.caster().bytes()),
+        ("obvhs", obvhs.caster().bytes()),
+    ];
+    print!("\n{:8}", "MB");
+    sizes.iter().for_each(|(name, bytes)| print!("   {name} {}", bytes >> 20));
+    println!();
+
     let contestants: [(&str, &Cast); 6] = [
         ("bare", &|kind, queries| plain.seconds(kind, queries)),
         ("robust", &|kind, queries| robust.seconds(kind, queries)),
@@ -69,25 +91,31 @@ fn main() {
     race(&recording, rounds, &contestants);
 }
 
-/// Seconds for rays of a kind.
-type Cast<'a> = dyn Fn(Kind, &[Query]) -> f64 + 'a;
-
-fn caster<C: RayCaster>(
-    name: &str,
+fn renderer<C: RayCaster>(
     scene: &Scene,
-    build: impl FnOnce(&alabaster::raycast::Geometry) -> Result<C, alabaster::raycast::RaycastError>,
-    bytes: impl FnOnce(&C) -> usize,
+    build: impl FnOnce(&Geometry) -> Result<C, RaycastError>,
 ) -> Renderer<C> {
-    let mut built = 0.0;
-    let renderer = Renderer::new(scene.clone(), RenderOptions::of(scene, 0), |geometry| {
-        let start = process_seconds();
-        let caster = build(geometry);
-        built = process_seconds() - start;
-        caster
-    });
-    let renderer = renderer.unwrap();
-    println!("{name}: {built:.2} CPU s, {} MB", bytes(renderer.caster()) >> 20);
-    renderer
+    Renderer::new(scene.clone(), RenderOptions::of(scene, 0), build).unwrap()
+}
+
+fn race_builds(geometry: &Geometry, rounds: usize, builders: &[(&str, &Build)]) {
+    let time = |build: &Build| {
+        let (wall, processor) = (Instant::now(), process_seconds());
+        build(geometry);
+        (wall.elapsed().as_secs_f64(), process_seconds() - processor)
+    };
+    let rounds: Vec<Vec<_>> =
+        (0..rounds).map(|round| in_turns(round, builders, |(_, build)| time(build))).collect();
+    println!("build and release          s       /bare       CPU s       /bare");
+    for (index, (name, _)) in builders.iter().enumerate() {
+        print!("{name:18}");
+        for of in [|(wall, _)| wall, |(_, processor)| processor] {
+            let seconds = spread(&rounds, |round: &Vec<(f64, f64)>| of(round[index]));
+            let ratio = spread(&rounds, |round| of(round[index]) / of(round[0]));
+            print!("{:10.2}   {:.2} ± {:.2}", seconds.median, ratio.median, ratio.deviation);
+        }
+        println!();
+    }
 }
 
 fn race(recording: &Recording, rounds: usize, contestants: &[(&str, &Cast)]) {
@@ -99,25 +127,45 @@ fn race(recording: &Recording, rounds: usize, contestants: &[(&str, &Cast)]) {
         if queries.is_empty() {
             continue;
         }
-        let turns: Vec<Vec<f64>> =
-            (0..rounds).map(|_| contestants.iter().map(|(_, cast)| cast(kind, queries)).collect()).collect();
-        let of = |value: &dyn Fn(&[f64]) -> f64| {
-            Spread::of(&turns.iter().map(|turn| value(turn)).collect::<Vec<_>>())
+        let round = |round: usize| {
+            let mut sums = vec![0.0; contestants.len()];
+            for (turn, queries) in queries.chunks(TURN).enumerate() {
+                let seconds = in_turns(round + turn, contestants, |(_, cast)| cast(kind, queries));
+                sums.iter_mut().zip(seconds).for_each(|(sum, seconds)| *sum += seconds);
+            }
+            sums
         };
+        let rounds: Vec<Vec<f64>> = (0..rounds).map(round).collect();
         print!("{name:8}");
         for contestant in 0..contestants.len() {
-            print!("{:10.3}", of(&|turn| 1e-6 * queries.len() as f64 / turn[contestant]).median);
+            print!(
+                "{:10.3}",
+                spread(&rounds, |round| 1e-6 * queries.len() as f64 / round[contestant]).median
+            );
         }
         for (first, second) in [(0, 3), (1, 3), (1, 2)] {
-            let ratio = of(&|turn| turn[first] / turn[second]);
+            let ratio = spread(&rounds, |round| round[first] / round[second]);
             print!("   {:.3} ± {:.3}", ratio.median, ratio.deviation);
         }
         println!();
     }
 }
 
+/// What `act` says of each contestant; `first` begins, counted round.
+fn in_turns<C, T>(first: usize, contestants: &[C], act: impl Fn(&C) -> T) -> Vec<T> {
+    let first = first % contestants.len();
+    let mut results: Vec<T> = contestants[first..].iter().chain(&contestants[..first]).map(act).collect();
+    results.rotate_right(first);
+    results
+}
+
+fn spread<T>(rounds: &[T], value: impl Fn(&T) -> f64) -> Spread {
+    Spread::of(&rounds.iter().map(value).collect::<Vec<_>>())
+}
+
 /// Embree with nothing around it: one geometry for each instance, in the world.
 struct Bare {
+    device: rtc::RTCDevice,
     scene: rtc::RTCScene,
     bytes: Box<AtomicIsize>,
 }
@@ -125,7 +173,7 @@ struct Bare {
 impl Bare {
     fn new(scene: &Scene, robust: bool) -> Self {
         let bytes = Box::new(AtomicIsize::new(0));
-        // SAFETY: as the manual of Embree says. The counter lives as long as the device, which is never released.
+        // SAFETY: as the manual of Embree says. The counter lives as long as the device.
         let (device, handle) = unsafe {
             let device = rtc::rtcNewDevice(c"".as_ptr());
             let monitor = ptr::from_ref(&*bytes).cast_mut().cast::<c_void>();
@@ -156,7 +204,7 @@ impl Bare {
         }
         // SAFETY: all geometries are committed.
         unsafe { rtc::rtcCommitScene(handle) };
-        Self { scene: handle, bytes }
+        Self { device, scene: handle, bytes }
     }
 
     fn bytes(&self) -> usize {
@@ -176,6 +224,16 @@ impl Bare {
         let hits: usize = rays.iter().map(|ray| unsafe { cast(self.scene, *ray) }).sum();
         black_box(hits);
         start.elapsed().as_secs_f64()
+    }
+}
+
+impl Drop for Bare {
+    fn drop(&mut self) {
+        // SAFETY: both are held once.
+        unsafe {
+            rtc::rtcReleaseScene(self.scene);
+            rtc::rtcReleaseDevice(self.device);
+        }
     }
 }
 
