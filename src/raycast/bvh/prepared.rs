@@ -34,7 +34,8 @@ impl NodeRay {
         let direction = direction.abs().max(Vec3A::splat(least)).copysign(direction);
         let inverse = direction.recip();
         let offset = -origin * inverse;
-        let slack = (origin.abs() + Vec3A::splat(largest)) * inverse.abs() * (ROUNDINGS * f32::EPSILON);
+        // In this order, the first product need not wait for the reciprocal.
+        let slack = (origin.abs() + Vec3A::splat(largest)) * (ROUNDINGS * f32::EPSILON) * inverse.abs();
         let negative = direction.is_negative_bitmask();
         Self { inverse, offsets: [offset - slack, offset + slack], negative }
     }
