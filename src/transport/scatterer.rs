@@ -177,9 +177,7 @@ impl Immersed {
             Form::Shaped { directional, .. } => directional.as_ref(),
         }
     }
-}
 
-impl Immersed {
     /// The medium at a point; `wanted` is the albedo asked for, where there is one.
     fn resolve<const N: usize>(&self, given: &Given<N>, wanted: Spectrum<N>) -> Local<N> {
         match given {
